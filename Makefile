@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+#
+# make run     set up, build, and start the light with its shell (ARGS="--uart1 …" adds options)
+# make test    set up, and run every test (tests/run.py; STAGES="unit system" picks some)
+# make build   build/native/pharos
+# make bench   the figures of README, from one run
+# make lint    clang-format, ruff, mypy, shellcheck
+# make fuzz    every libFuzzer harness for FUZZ_RUNS executions each
+# make format  lay out C and Python sources
+# make clean
+
+PRESET ?= native
+ARGS ?=
+STAGES ?=
+FUZZ_RUNS ?= 10000000
+PYTHON = .venv/bin/python
+
+.PHONY: run test build bench lint fuzz format clean setup
+
+build: setup
+	@test -f build/$(PRESET)/build.ninja || cmake --preset $(PRESET) --log-level=NOTICE
+	@cmake --build build/$(PRESET) -- --quiet
+
+run: build
+	@exec build/$(PRESET)/pharos $(ARGS)
+
+setup:
+	@boards/native/setup.sh build
+
+test:
+	@boards/native/setup.sh test
+	@$(PYTHON) tests/run.py $(STAGES)
+
+bench: build
+	@$(PYTHON) tests/bench/run.py
+
+lint:
+	@boards/native/setup.sh test
+	@$(PYTHON) tests/run.py lint
+
+fuzz:
+	@boards/native/setup.sh test
+	@$(PYTHON) tests/run.py fuzz --fuzz-runs $(FUZZ_RUNS)
+
+format:
+	@git ls-files '*.c' '*.h' | xargs clang-format -i
+	@$(PYTHON) -m ruff format host tests boards app
+
+clean:
+	rm -rf build

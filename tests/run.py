@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Run the stages of `make test`, go on past a failing one, and close with one summary.
+
+Each stage is a row: how to build, what to run, and how many tests passed and failed in it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import shlex
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+VENV = ROOT / ".venv" / "bin"
+CORES = os.cpu_count() or 1
+FUZZ_RUNS_SHORT = 200_000
+
+
+@dataclass
+class Outcome:
+    """What a stage found: tests passed and failed, and the command that repeats a failure."""
+
+    passed: int = 0
+    failed: int = 0
+    replay: str = ""
+
+    def __add__(self, other: Outcome) -> Outcome:
+        return Outcome(
+            self.passed + other.passed, self.failed + other.failed, self.replay or other.replay
+        )
+
+
+def run(*command: str | Path, env: dict[str, str] | None = None) -> tuple[int, str]:
+    """Run a command at the root, show its output as it comes, and return (exit code, output)."""
+    words = [str(word) for word in command]
+    print("$", shlex.join(words), flush=True)
+    process = subprocess.Popen(
+        words,
+        cwd=ROOT,
+        env={**os.environ, **(env or {})},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        stdin=subprocess.DEVNULL,
+        text=True,
+        errors="replace",
+    )
+    assert process.stdout is not None
+    lines = []
+    for line in process.stdout:
+        print(line, end="", flush=True)
+        lines.append(line)
+    return process.wait(), "".join(lines)
+
+
+def check(*command: str | Path) -> Outcome:
+    """A command that is one test: it passes when it exits 0."""
+    code, _ = run(*command)
+    if code == 0:
+        return Outcome(passed=1)
+    return Outcome(failed=1, replay=shlex.join(str(word) for word in command))
+
+
+def build(preset: str) -> Outcome:
+    if not (ROOT / "build" / preset / "build.ninja").exists():
+        configured = check("cmake", "--preset", preset, "--log-level=NOTICE")
+        if configured.failed:
+            return configured
+    return check("cmake", "--build", f"build/{preset}", "--", "--quiet")
+
+
+def ctest(preset: str) -> Outcome:
+    code, output = run(
+        "ctest", "--test-dir", f"build/{preset}", "--output-on-failure", "-j", str(CORES)
+    )
+    found = re.search(r"(\d+) tests? failed out of (\d+)|tests passed, (\d+) tests failed out of (\d+)", output)
+    if found is None:
+        return Outcome(failed=1, replay=f"ctest --test-dir build/{preset}")
+    failed = int(found[1] or found[3])
+    total = int(found[2] or found[4])
+    replay = f"ctest --test-dir build/{preset} --rerun-failed --output-on-failure" if code else ""
+    return Outcome(total - failed, max(failed, int(code != 0)), replay)
+
+
+def pytest(preset: str, *where: str) -> Outcome:
+    command = [VENV / "python", "-m", "pytest", "-q", "-n", str(CORES), *where]
+    code, output = run(*command, env={"PHAROS_BUILD": str(ROOT / "build" / preset)})
+    passed = re.search(r"(\d+) passed", output)
+    failed = sum(int(n) for n in re.findall(r"(\d+) (?:failed|errors?)\b", output.splitlines()[-1]))
+    if passed is None or code != 0:
+        failed = max(failed, 1)
+    replay = f"PHAROS_BUILD=build/{preset} .venv/bin/python -m pytest {' '.join(where)} --last-failed"
+    return Outcome(int(passed[1]) if passed else 0, failed, replay if failed else "")
+
+
+def suite(preset: str) -> Outcome:
+    """The whole suite on one build: C tests, then the tests over the wire."""
+    built = build(preset)
+    if built.failed:
+        return built
+    return ctest(preset) + pytest(preset, "tests", "host")
+
+
+def lint(_: argparse.Namespace) -> Outcome:
+    tracked = subprocess.run(
+        ["git", "ls-files", "*.c", "*.h"], cwd=ROOT, capture_output=True, text=True, check=True
+    ).stdout.split()
+    scripts = ["make", ".ci/run", "boards/native/setup.sh"]
+    python = ["host", "tests", "boards", "app"]
+    return (
+        check("clang-format", "--dry-run", "-Werror", *tracked)
+        + check(VENV / "ruff", "check", *python)
+        + check(VENV / "ruff", "format", "--check", *python)
+        + check(VENV / "mypy", "--config-file", "host/pyproject.toml", "host/src", "tests")
+        + check("shellcheck", *scripts)
+    )
+
+
+def fuzz(args: argparse.Namespace) -> Outcome:
+    outcome = build("fuzz")
+    if outcome.failed:
+        return outcome
+    harnesses = sorted((ROOT / "build" / "fuzz" / "tests" / "fuzz").glob("fuzz_*"))
+    for harness in (path for path in harnesses if path.is_file() and os.access(path, os.X_OK)):
+        seeds = ROOT / "tests" / "fuzz" / "seeds" / harness.name
+        corpus = ROOT / "build" / "fuzz" / "corpus" / harness.name
+        corpus.mkdir(parents=True, exist_ok=True)
+        outcome += check(
+            harness, f"-runs={args.fuzz_runs}", "-seed=1", "-timeout=10", "-print_final_stats=1",
+            "-verbosity=0", f"-artifact_prefix={corpus}-", corpus, *([seeds] if seeds.exists() else []),
+        )  # fmt: skip
+    return outcome
+
+
+STAGES: dict[str, Callable[[argparse.Namespace], Outcome]] = {
+    "lint": lint,
+    "native": lambda _: suite("native"),
+    "asan-gcc": lambda _: suite("native-asan"),
+    "asan-clang": lambda _: suite("native-asan-clang"),
+    "fuzz": fuzz,
+}
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("stages", nargs="*", help=f"any of: {', '.join(STAGES)}; default: all")
+    parser.add_argument(
+        "--fuzz-runs", type=int, default=FUZZ_RUNS_SHORT, help="executions of each fuzz harness"
+    )
+    args = parser.parse_args()
+    unknown = [name for name in args.stages if name not in STAGES]
+    if unknown:
+        parser.error(f"no stage {', '.join(unknown)}; there are: {', '.join(STAGES)}")
+
+    rows = []
+    for name in args.stages or STAGES:
+        print(f"\n=== {name}", flush=True)
+        start = time.monotonic()
+        outcome = STAGES[name](args)
+        rows.append((name, outcome, time.monotonic() - start))
+
+    print(f"\n{'stage':<12}{'passed':>8}{'failed':>8}{'seconds':>9}")
+    for name, outcome, seconds in rows:
+        print(f"{name:<12}{outcome.passed:>8}{outcome.failed:>8}{seconds:>9.0f}")
+        if outcome.failed and outcome.replay:
+            print(f"  again: {outcome.replay}")
+    total = sum((outcome for _, outcome, _ in rows), Outcome())
+    print(f"\n{total.passed} passed, {total.failed} failed")
+    return int(total.failed > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
