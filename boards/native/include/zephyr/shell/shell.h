@@ -98,7 +98,7 @@ struct shell_static_entry {
 
 #define SHELL_SUBCMD_SET_END                                                                       \
 	{                                                                                          \
-		NULL                                                                               \
+		.syntax = NULL                                                                     \
 	}
 
 /* A set of subcommands; ends with SHELL_SUBCMD_SET_END. */
