@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "models/board.h"
+
+#include <stddef.h>
+
+/*
+ * A 30 W lamp, of which 30 % becomes light, in a housing that also holds electronics of 4 W. Steady at 100 %:
+ * 65 degC in 25 degC ambient; 95 degC in 55 degC ambient (so it throttles). With the fan failed, the electronics
+ * alone bring it to 50 K above ambient: 105 degC in 55 degC ambient (so it shuts down).
+ */
+#define LAMP_FULL_MW  30000u
+#define LAMP_HEAT     0.7
+#define ELECTRONICS_W 4.0
+
+static const struct thermal_mass_params housing_params = {
+	.capacity_j_per_k = 60.0,
+	.fan_k_per_w = 1.6,
+	.no_fan_k_per_w = 12.5,
+};
+
+/* As in native.dts. */
+static const struct ntc_input_params thermistor_params = {
+	.pullup_ohms = 10000.0,
+	.r25_ohms = 10000.0,
+	.beta_k = 3435.0,
+	.noise_lsb = 0.5,
+	.noisy_noise_lsb = 400.0,
+};
+
+static const char *const line_names[BOARD_LINE_COUNT] = {
+	[BOARD_LINE_LAMP_ENABLE] = "lamp-enable",
+	[BOARD_LINE_SYNC] = "sync",
+	[BOARD_LINE_BUTTON] = "button",
+	[BOARD_LINE_DRIVER_FAULT] = "driver-fault",
+	[BOARD_LINE_AUX0] = "aux0",
+	[BOARD_LINE_AUX1] = "aux1",
+	[BOARD_LINE_AUX2] = "aux2",
+	[BOARD_LINE_AUX3] = "aux3",
+};
+
+struct board board;
+struct board_listener board_listener;
+void (*board_lines_interrupt)(uint32_t before, uint32_t after);
+
+void board_init(double ambient_c, uint64_t seed)
+{
+	board = (struct board){.lines = {0}};
+	lamp_init(&board.lamp, LAMP_FULL_MW);
+	thermal_mass_init(&board.housing, &housing_params, ambient_c);
+	thermal_mass_set_heat(&board.housing, 0, ELECTRONICS_W);
+	ntc_input_init(&board.thermistor, &thermistor_params, seed);
+}
+
+static void light_changed(int64_t now_us)
+{
+	thermal_mass_set_heat(&board.housing, now_us,
+			      ELECTRONICS_W + LAMP_HEAT * lamp_power_w(&board.lamp));
+	if (board_listener.light != NULL) {
+		board_listener.light(now_us);
+	}
+}
+
+int board_pwm_set(int64_t now_us, uint32_t channel, uint32_t period, uint32_t pulse, uint64_t hz)
+{
+	struct board_pwm *pwm;
+
+	if (channel >= BOARD_PWM_COUNT || period == 0 || hz == 0) {
+		return -1;
+	}
+	pwm = &board.pwm[channel];
+	pwm->period_ns = (uint32_t)((period * UINT64_C(1000000000)) / hz);
+	pwm->pulse_ns = (uint32_t)((pulse * UINT64_C(1000000000)) / hz);
+	pwm->duty_ppm = (uint32_t)((pulse * UINT64_C(1000000)) / period);
+	if (channel == BOARD_PWM_LAMP && lamp_set_duty(&board.lamp, now_us, pwm->duty_ppm)) {
+		light_changed(now_us);
+	}
+	return 0;
+}
+
+int board_adc_convert(int64_t now_us, uint32_t channel, unsigned int bits, uint16_t *codes,
+		      unsigned int count, unsigned int stride)
+{
+	double ratio;
+
+	if (channel >= BOARD_ADC_COUNT) {
+		return -1;
+	}
+	thermal_mass_advance(&board.housing, now_us);
+	ratio = ntc_input_ratio(&board.thermistor, board.housing.temp_c);
+	for (unsigned int i = 0; i < count; i++) {
+		codes[i * stride] = ntc_input_convert(&board.thermistor, ratio, bits);
+	}
+	if (board_listener.temperature != NULL) {
+		board_listener.temperature(now_us, board.housing.temp_c);
+	}
+	return 0;
+}
+
+static void lines_changed(int64_t now_us, uint32_t before)
+{
+	const uint32_t after = lines_levels(&board.lines);
+
+	if (after == before) {
+		return;
+	}
+	if (lamp_set_enable(&board.lamp, now_us, (after & (1u << BOARD_LINE_LAMP_ENABLE)) != 0)) {
+		light_changed(now_us);
+	}
+	if (board_listener.lines != NULL) {
+		board_listener.lines(now_us, after);
+	}
+	if (board_lines_interrupt != NULL) {
+		board_lines_interrupt(before, after);
+	}
+}
+
+void board_lines_configure(int64_t now_us, uint32_t output, uint32_t level, uint32_t pull_up)
+{
+	const uint32_t before = lines_levels(&board.lines);
+
+	board.lines.output = output;
+	board.lines.output_level = level;
+	board.lines.pull_up = pull_up;
+	lines_changed(now_us, before);
+}
+
+uint32_t board_lines_read(void)
+{
+	return lines_levels(&board.lines);
+}
+
+void board_probe(int64_t now_us, unsigned int channel, int64_t value)
+{
+	if (channel >= BOARD_PROBE_COUNT || board.probes[channel] == value) {
+		return;
+	}
+	board.probes[channel] = value;
+	if (board_listener.probe != NULL) {
+		board_listener.probe(now_us, channel, value);
+	}
+}
+
+void board_mcu_reset(int64_t now_us)
+{
+	const uint32_t before = lines_levels(&board.lines);
+
+	/* first: a chip in reset takes no interrupts */
+	board_lines_interrupt = NULL;
+	lines_reset(&board.lines);
+	lines_changed(now_us, before);
+	for (uint32_t channel = 0; channel < BOARD_PWM_COUNT; channel++) {
+		board.pwm[channel] = (struct board_pwm){0};
+	}
+	if (lamp_set_duty(&board.lamp, now_us, 0)) {
+		light_changed(now_us);
+	}
+	for (unsigned int channel = 0; channel < BOARD_PROBE_COUNT; channel++) {
+		board_probe(now_us, channel, 0);
+	}
+}
+
+void board_advance(int64_t now_us)
+{
+	lamp_advance(&board.lamp, now_us);
+	thermal_mass_advance(&board.housing, now_us);
+}
+
+void board_line_drive(int64_t now_us, uint32_t line, bool level)
+{
+	const uint32_t before = lines_levels(&board.lines);
+	const uint32_t bit = 1u << line;
+
+	board.lines.driven |= bit;
+	board.lines.driven_level = level ? board.lines.driven_level | bit
+					 : board.lines.driven_level & ~bit;
+	lines_changed(now_us, before);
+}
+
+void board_line_release(int64_t now_us, uint32_t line)
+{
+	const uint32_t before = lines_levels(&board.lines);
+
+	board.lines.driven &= ~(1u << line);
+	lines_changed(now_us, before);
+}
+
+const char *board_line_name(uint32_t line)
+{
+	return line < BOARD_LINE_COUNT ? line_names[line] : NULL;
+}

@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The board around the MCU: which model is wired to which pin. The drivers in boards/native/devices use the first
+ * part, as registers; the host (control socket, recorder) the second, as the world.
+ *
+ * All times are board times in microseconds. No host and no Zephyr headers.
+ */
+#ifndef NATIVE_MODELS_BOARD_H_
+#define NATIVE_MODELS_BOARD_H_
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "models/lamp.h"
+#include "models/lines.h"
+#include "models/ntc_input.h"
+#include "models/thermal_mass.h"
+
+enum board_pwm_channel {
+	BOARD_PWM_LAMP,
+	BOARD_PWM_SERVO_PAN,
+	BOARD_PWM_SERVO_TILT,
+	BOARD_PWM_AUX,
+	BOARD_PWM_COUNT,
+};
+
+enum board_adc_channel {
+	BOARD_ADC_THERMISTOR,
+	BOARD_ADC_COUNT,
+};
+
+enum board_line {
+	BOARD_LINE_LAMP_ENABLE,
+	BOARD_LINE_SYNC,
+	BOARD_LINE_BUTTON,
+	BOARD_LINE_DRIVER_FAULT,
+	BOARD_LINE_AUX0,
+	BOARD_LINE_AUX1,
+	BOARD_LINE_AUX2,
+	BOARD_LINE_AUX3,
+	BOARD_LINE_COUNT,
+};
+
+enum { BOARD_PROBE_COUNT = 16 };
+
+struct board_pwm {
+	uint32_t period_ns;
+	uint32_t pulse_ns; /* active time of each period */
+	uint32_t duty_ppm;
+};
+
+/* Everything that has a memory; plain data, and so carried over a reset of the MCU. */
+struct board {
+	struct lamp lamp;
+	struct thermal_mass housing;
+	struct ntc_input thermistor;
+	struct lines lines;
+	struct board_pwm pwm[BOARD_PWM_COUNT];
+	int64_t probes[BOARD_PROBE_COUNT];
+};
+
+extern struct board board;
+
+/* Told of each change; NULL: nobody listens. */
+struct board_listener {
+	void (*light)(int64_t now_us);
+	void (*temperature)(int64_t now_us, double temp_c); /* at each conversion */
+	void (*lines)(int64_t now_us, uint32_t levels);
+	void (*probe)(int64_t now_us, unsigned int channel, int64_t value);
+};
+
+extern struct board_listener board_listener;
+
+/* The MCU's interrupt controller: line levels have changed. Set by the GPIO device. */
+extern void (*board_lines_interrupt)(uint32_t before, uint32_t after);
+
+/* --- as registers --- */
+
+/* 0, or -1: no such channel. pulse <= period, in cycles of hz. */
+int board_pwm_set(int64_t now_us, uint32_t channel, uint32_t period, uint32_t pulse, uint64_t hz);
+
+/* count conversions of a channel, all at the same instant. 0, or -1: no such channel. */
+int board_adc_convert(int64_t now_us, uint32_t channel, unsigned int bits, uint16_t *codes,
+		      unsigned int count, unsigned int stride);
+
+/* Directions, levels and pulls at once. */
+void board_lines_configure(int64_t now_us, uint32_t output, uint32_t level, uint32_t pull_up);
+uint32_t board_lines_read(void);
+
+void board_probe(int64_t now_us, unsigned int channel, int64_t value);
+
+/* --- as the world --- */
+
+void board_init(double ambient_c, uint64_t seed);
+
+/* The MCU is in reset from now on: its pins float, so the lamp is dark. */
+void board_mcu_reset(int64_t now_us);
+
+/* Brings all models to now_us. */
+void board_advance(int64_t now_us);
+
+/* Drives a line from outside. */
+void board_line_drive(int64_t now_us, uint32_t line, bool level);
+
+/* Lets go of it. */
+void board_line_release(int64_t now_us, uint32_t line);
+
+/* "lamp-enable", "sync", "button", …; NULL: no such line. */
+const char *board_line_name(uint32_t line);
+
+#endif
