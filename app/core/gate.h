@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The lamp's gate: internal strobe, or external sync with the strobe as a possible stand-in.
+ *
+ * The strobe starts anew when the sync input's time-out hands over to it. Context: thread or
+ * interrupt, serialised by the caller (lock interrupts around the calls from a thread).
+ */
+#ifndef PHAROS_CORE_GATE_H
+#define PHAROS_CORE_GATE_H
+
+#include "core/light.h"
+#include "core/strobe.h"
+#include "core/sync.h"
+
+struct gate {
+	struct light_plan plan;
+	struct strobe strobe;
+	struct sync sync;
+	bool level; /* raw input as last told */
+};
+
+/* Dark. sync and level: see sync_init. */
+void gate_init(struct gate *self, int64_t now_us, const struct sync_config *sync, bool level);
+
+/* All return the gate from now_us (at_us) on; ranges as in strobe.h and sync.h. */
+bool gate_set(struct gate *self, int64_t now_us, const struct light_plan *plan);
+bool gate_configure(struct gate *self, int64_t now_us, const struct sync_config *sync);
+bool gate_input(struct gate *self, int64_t at_us, bool level);
+bool gate_advance(struct gate *self, int64_t now_us);
+
+/* When to call gate_advance; TIME_NEVER_US: not before another call. */
+int64_t gate_deadline_us(const struct gate *self);
+
+#endif

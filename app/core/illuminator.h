@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The illuminator: what was commanded, what the lamp shall do, what people should be told.
+ *
+ * Every event is decided whole and then applied whole: a result other than ACCEPTED changed
+ * nothing. A repeated command is ACCEPTED and advances nothing. Commanded values are kept as they
+ * came; heat limits the lamp in the light driver, not here.
+ *
+ * Context: the thread that owns it, no locks inside. Spec: MAVLink common 405, 406, 440.
+ */
+#ifndef PHAROS_CORE_ILLUMINATOR_H
+#define PHAROS_CORE_ILLUMINATOR_H
+
+#include "core/light.h"
+#include "core/limits.h"
+#include "core/thermal.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* Wire values of MAVLink ILLUMINATOR_MODE. */
+enum illuminator_mode {
+	ILLUMINATOR_MODE_INTERNAL = 1,
+	ILLUMINATOR_MODE_EXTERNAL_SYNC = 2,
+};
+#define ILLUMINATOR_MODES_SUPPORTED 3u /* bit per mode: 1 << (mode - 1) */
+
+/* How brightness becomes light. PERCEPTUAL: CIE 1931 lightness, L* = brightness in percent. */
+enum illuminator_curve {
+	ILLUMINATOR_CURVE_LINEAR,
+	ILLUMINATOR_CURVE_PERCEPTUAL,
+};
+
+/* What to do when every commander is silent. BEACON: full, 1 flash per second, 10 % duty. */
+enum illuminator_fallback {
+	ILLUMINATOR_FALLBACK_KEEP,
+	ILLUMINATOR_FALLBACK_OFF,
+	ILLUMINATOR_FALLBACK_BEACON,
+};
+
+/*
+ * As commanded. brightness_ppm, duty_ppm 0…PPM_ONE. strobe_period_us 0: no strobe. duty_ppm 0: no
+ * strobe either; PPM_ONE: constantly on.
+ */
+struct illuminator_settings {
+	bool enable;
+	enum illuminator_mode mode;
+	uint32_t brightness_ppm;
+	uint32_t strobe_period_us;
+	uint32_t duty_ppm;
+};
+
+/* STROBE_PERIOD_FLOOR_US <= min_period_us <= max_period_us <= STROBE_PERIOD_CEILING_US, asserted.
+ */
+struct illuminator_config {
+	uint32_t min_period_us;
+	uint32_t max_period_us;
+	enum illuminator_curve curve;
+};
+
+enum illuminator_event_kind {
+	ILLUMINATOR_EVENT_ON_OFF,     /* on_off */
+	ILLUMINATOR_EVENT_CONFIGURE,  /* configure: all of 406, enable stays */
+	ILLUMINATOR_EVENT_BRIGHTNESS, /* brightness_ppm, the rest stays */
+	ILLUMINATOR_EVENT_THERMAL,    /* thermal: a new report */
+	ILLUMINATOR_EVENT_CONFIG,     /* config: new parameters; settings in force stay */
+	ILLUMINATOR_EVENT_RESTORE,    /* restore: settings saved before, enable too */
+	ILLUMINATOR_EVENT_FALLBACK,   /* fallback: every commander is silent */
+};
+
+/* As in the settings, but any value may be given: what is out of range is DENIED. */
+struct illuminator_configure {
+	uint32_t mode;
+	uint32_t brightness_ppm;
+	uint32_t strobe_period_us;
+	uint32_t duty_ppm;
+};
+
+struct illuminator_event {
+	enum illuminator_event_kind kind;
+	union {
+		bool on_off;
+		struct illuminator_configure configure;
+		uint32_t brightness_ppm;
+		struct thermal_report thermal;
+		struct illuminator_config config;
+		struct illuminator_settings restore;
+		enum illuminator_fallback fallback;
+	};
+};
+
+/*
+ * DENIED: a value out of range. FAILED: valid, but not now (on during thermal shutdown, repeated or
+ * not). Neither changed anything.
+ */
+enum illuminator_result {
+	ILLUMINATOR_ACCEPTED,
+	ILLUMINATOR_DENIED,
+	ILLUMINATOR_FAILED,
+};
+
+enum illuminator_action_kind {
+	ILLUMINATOR_ACTION_LIGHT,  /* light: the plan is new, carry it out */
+	ILLUMINATOR_ACTION_STATUS, /* the status differs from before (not: temperature alone) */
+	ILLUMINATOR_ACTION_NOTICE, /* notice: tell people; the sender limits the rate */
+};
+
+enum illuminator_notice_kind {
+	ILLUMINATOR_NOTICE_THROTTLING_BEGINS,
+	ILLUMINATOR_NOTICE_THROTTLING_ENDS,
+	ILLUMINATOR_NOTICE_SHUTDOWN,
+	ILLUMINATOR_NOTICE_RECOVERED,
+	ILLUMINATOR_NOTICE_SENSOR_FAILED,
+	ILLUMINATOR_NOTICE_SENSOR_OK,
+};
+
+/* fault: of SENSOR_FAILED, else NONE. temp_mdegc: as in the report, with temp_valid. */
+struct illuminator_notice {
+	enum illuminator_notice_kind kind;
+	enum thermal_fault fault;
+	int32_t temp_mdegc;
+	bool temp_valid;
+};
+
+struct illuminator_action {
+	enum illuminator_action_kind kind;
+	union {
+		struct light_plan light;
+		struct illuminator_notice notice;
+	};
+};
+
+/* In the order in which to perform them. */
+struct illuminator_outbox {
+	uint32_t count;
+	struct illuminator_action actions[ILLUMINATOR_OUTBOX_MAX];
+};
+
+struct illuminator_stats {
+	uint32_t accepted;
+	uint32_t denied;
+	uint32_t failed;
+};
+
+/* Readable by the owner; only the functions below write. */
+struct illuminator {
+	struct illuminator_settings settings;
+	struct illuminator_config config;
+	struct thermal_report thermal;
+	struct light_plan plan;
+	struct illuminator_stats stats;
+	uint32_t revision;   /* advances with each change of settings, and with nothing else */
+	int64_t changed_us;  /* when it last advanced; 0: never */
+};
+
+/*
+ * Off, internal, full brightness, no strobe, duty PPM_ONE; thermal: normal, sensor waiting. The
+ * plan is dark. config asserted.
+ */
+void illuminator_init(struct illuminator *self, const struct illuminator_config *config);
+
+/*
+ * The one transition function. now_us 0…TIME_MAX_US. *out is overwritten, also when it stays empty.
+ * CONFIG, THERMAL and FALLBACK are always ACCEPTED. RESTORE is checked as a command would be (with
+ * enable during thermal shutdown FAILED).
+ */
+enum illuminator_result illuminator_step(struct illuminator *self, int64_t now_us,
+					 const struct illuminator_event *event,
+					 struct illuminator_outbox *out);
+
+/* ILLUMINATOR_ERROR_FLAGS now: THERMAL_FLAG_… */
+uint32_t illuminator_error_flags(const struct illuminator *self);
+
+/*
+ * Linear light of a brightness, 0…PPM_ONE both. Monotone; exact at 0 and PPM_ONE; within 1 ppm of
+ * CIE 15:2004 8.2.1 (Y of L*), half up. Any context.
+ */
+uint32_t illuminator_curve_ppm(enum illuminator_curve curve, uint32_t brightness_ppm);
+
+/* Lit time of a period: rounded half up, at least 1 when duty_ppm > 0. Ranges as in the settings.
+ */
+uint32_t illuminator_on_us(uint32_t period_us, uint32_t duty_ppm);
+
+/* For people, constant and never NULL: "Throttling begins", … ; at most 40 bytes. */
+const char *illuminator_notice_text(enum illuminator_notice_kind kind);
+
+#endif

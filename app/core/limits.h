@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Every bound of the core, and how the bounds relate. Values that a user may tune are parameters
+ * (params.h); what stands here holds for any tuning.
+ */
+#ifndef PHAROS_CORE_LIMITS_H
+#define PHAROS_CORE_LIMITS_H
+
+#include <stdint.h>
+
+/* Ratios are parts per million: a perceptual curve needs that fineness at its dark end. */
+#define PPM_ONE 1000000u
+
+#define US_PER_MS 1000
+#define US_PER_S  1000000
+
+/* Strobe periods that any build or parameter may allow. One hour keeps all products in 64 bits. */
+#define STROBE_PERIOD_FLOOR_US   100u
+#define STROBE_PERIOD_CEILING_US 3600000000u
+
+/* Clocks count microseconds since boot and stay within a quarter of int64_t: 73 000 years. */
+#define TIME_MAX_US   (INT64_MAX / 4)
+#define TIME_NEVER_US INT64_MAX
+
+/* Temperatures that any parameter may name. */
+#define TEMP_FLOOR_MDEGC   (-273150)
+#define TEMP_CEILING_MDEGC 1000000
+
+/* One step of the illuminator: a light plan, a status, and a notice for each of heat and sensor. */
+#define ILLUMINATOR_STEP_LIGHTS   1
+#define ILLUMINATOR_STEP_STATUSES 1
+#define ILLUMINATOR_STEP_NOTICES  2
+#define ILLUMINATOR_STEP_ACTIONS_MAX                                                               \
+	(ILLUMINATOR_STEP_LIGHTS + ILLUMINATOR_STEP_STATUSES + ILLUMINATOR_STEP_NOTICES)
+#define ILLUMINATOR_OUTBOX_MAX 4
+
+/* MAVLink PARAM_VALUE.param_id is 16 bytes and DroneCAN allows more: 16 without the terminator. */
+#define PARAMS_NAME_MAX 16
+/* A set of changed parameters is one uint64_t. */
+#define PARAMS_MAX      64
+
+_Static_assert(ILLUMINATOR_OUTBOX_MAX >= ILLUMINATOR_STEP_ACTIONS_MAX, "a step fits the outbox");
+_Static_assert((uint64_t)STROBE_PERIOD_CEILING_US * PPM_ONE < (uint64_t)INT64_MAX,
+	       "period times ratio fits 64 bits");
+_Static_assert(STROBE_PERIOD_CEILING_US <= UINT32_MAX, "a period fits 32 bits");
+_Static_assert(STROBE_PERIOD_FLOOR_US > 1, "a strobe has room for a lit and a dark microsecond");
+
+#endif
