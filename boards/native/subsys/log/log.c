@@ -166,7 +166,7 @@ void log_write(uint8_t level, const struct log_source *source, const char *fmt, 
 }
 
 void log_write_hexdump(uint8_t level, const struct log_source *source, const void *data,
-		       size_t length, const char *text)
+                       size_t length, const char *text)
 {
 	struct log_message message;
 	const size_t text_length = strnlen(text, sizeof(message.text) - 1);
@@ -215,4 +215,4 @@ static void log_thread(void *p1, void *p2, void *p3)
 }
 
 K_THREAD_DEFINE(logging, CONFIG_LOG_PROCESS_THREAD_STACK_SIZE, log_thread, NULL, NULL, NULL,
-		LOG_PRIORITY, 0, 0);
+                LOG_PRIORITY, 0, 0);

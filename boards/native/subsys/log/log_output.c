@@ -15,7 +15,7 @@
 #define PREFIX_MAX    64
 #define BYTES_IN_LINE 16
 /* "00 " for each byte, a gap in the middle, a bar, the bytes as text */
-#define DUMP_MAX (PREFIX_MAX + BYTES_IN_LINE * 4 + 4)
+#define DUMP_MAX      (PREFIX_MAX + BYTES_IN_LINE * 4 + 4)
 
 static const char *const level_names[] = {"", "err", "wrn", "inf", "dbg"};
 
@@ -35,8 +35,7 @@ static enum shell_vt100_color color_of(uint8_t level)
 
 static bool to_shell(uint8_t level, const char *line, size_t length)
 {
-	STRUCT_SECTION_FOREACH(shell, sh)
-	{
+	STRUCT_SECTION_FOREACH(shell, sh) {
 		if (shell_ready(sh) && sh->ctx->log_backend) {
 			shell_out_log(sh, color_of(level), line, length);
 			return true;
@@ -70,10 +69,10 @@ static size_t put_prefix(char *line, const struct log_record *record)
 	const int64_t seconds = us / USEC_PER_SEC;
 	const int length =
 		snprintf(line, PREFIX_MAX,
-			 "[%02" PRId64 ":%02" PRId64 ":%02" PRId64 ".%03" PRId64 ",%03" PRId64
-			 "] <%s> %.24s: ",
-			 seconds / 3600, seconds / 60 % 60, seconds % 60, us / 1000 % 1000,
-			 us % 1000, level_names[record->level], record->source->name);
+	                 "[%02" PRId64 ":%02" PRId64 ":%02" PRId64 ".%03" PRId64 ",%03" PRId64
+	                 "] <%s> %.24s: ",
+	                 seconds / 3600, seconds / 60 % 60, seconds % 60, us / 1000 % 1000,
+	                 us % 1000, level_names[record->level], record->source->name);
 
 	return (size_t)MIN(length, PREFIX_MAX - 1);
 }
@@ -117,8 +116,9 @@ void log_output_message(const struct log_message *message, bool direct)
 		put_dump_line(message, indent, at, direct);
 	}
 	if (record->data_length > record->data_kept) {
-		const int length = snprintf(line, sizeof(line), "%*s(%" PRIu32 " more bytes)",
-					    (int)indent, "", record->data_length - record->data_kept);
+		const int length =
+			snprintf(line, sizeof(line), "%*s(%" PRIu32 " more bytes)", (int)indent, "",
+		                 record->data_length - record->data_kept);
 
 		put_line(record->level, line, (size_t)length, direct);
 	}
@@ -127,7 +127,8 @@ void log_output_message(const struct log_message *message, bool direct)
 void log_output_dropped(uint32_t count, bool direct)
 {
 	char line[64];
-	const int length = snprintf(line, sizeof(line), "--- %" PRIu32 " messages dropped ---", count);
+	const int length =
+		snprintf(line, sizeof(line), "--- %" PRIu32 " messages dropped ---", count);
 
 	put_line(LOG_LEVEL_WRN, line, (size_t)length, direct);
 }

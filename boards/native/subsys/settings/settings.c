@@ -75,17 +75,16 @@ static struct settings_handler_static *as_static(struct settings_handler *handle
 }
 
 BUILD_ASSERT(offsetof(struct settings_handler, h_export) ==
-		     offsetof(struct settings_handler_static, h_export),
-	     "both kinds of handler begin alike");
+                     offsetof(struct settings_handler_static, h_export),
+             "both kinds of handler begin alike");
 
 /* Calls visit for static handlers, then for registered ones, while it returns true. */
 static void for_each_handler(bool (*visit)(struct settings_handler_static *handler, void *arg),
-			     void *arg)
+                             void *arg)
 {
 	struct settings_handler *handler;
 
-	STRUCT_SECTION_FOREACH(settings_handler_static, fixed)
-	{
+	STRUCT_SECTION_FOREACH(settings_handler_static, fixed) {
 		if (!visit(fixed, arg)) {
 			return;
 		}
@@ -219,7 +218,7 @@ int settings_subsys_init(void)
 	(void)k_mutex_unlock(&settings_lock);
 	if (rc == -EBADMSG) {
 		LOG_ERR("%s is not a settings file: it is left as it is, nothing will be saved",
-			settings_host_medium()->path());
+		        settings_host_medium()->path());
 	} else if (rc != 0) {
 		LOG_ERR("cannot read the settings: error %d", rc);
 	} else if (store.stats.broken > 0) {

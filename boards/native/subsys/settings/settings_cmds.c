@@ -7,7 +7,7 @@
 #include "settings_store.h"
 
 static int list_one(const char *key, size_t len, settings_read_cb read_cb, void *cb_arg,
-		    void *param)
+                    void *param)
 {
 	shell_print((const struct shell *)param, "%s  %zu bytes", key == NULL ? "" : key, len);
 	return 0;
@@ -19,7 +19,7 @@ static int cmd_list(const struct shell *sh, size_t argc, char **argv)
 }
 
 static int dump_one(const char *key, size_t len, settings_read_cb read_cb, void *cb_arg,
-		    void *param)
+                    void *param)
 {
 	uint8_t value[SETTINGS_MAX_VAL_LEN];
 	const ssize_t count = read_cb(cb_arg, value, sizeof(value));
@@ -58,10 +58,10 @@ static int cmd_status(const struct shell *sh, size_t argc, char **argv)
 		shell_print(sh, "file %s", status.path);
 	}
 	shell_print(sh, "%zu of %d bytes, %zu of use", status.used, CONFIG_SETTINGS_STORAGE_SIZE,
-		    status.live);
+	            status.live);
 	shell_print(sh, "writes %u, compactions %u, errors %u, broken records %u",
-		    (unsigned int)status.stats.writes, (unsigned int)status.stats.compactions,
-		    (unsigned int)status.stats.errors, (unsigned int)status.stats.broken);
+	            (unsigned int)status.stats.writes, (unsigned int)status.stats.compactions,
+	            (unsigned int)status.stats.errors, (unsigned int)status.stats.broken);
 	return 0;
 }
 

@@ -11,10 +11,13 @@
 #include <unistd.h>
 
 #include "host/carry.h"
+#include "host/control.h"
 #include "host/module.h"
 #include "settings_medium.h"
 
-enum { MEMORY_SIZE = CONFIG_SETTINGS_STORAGE_SIZE };
+enum {
+	MEMORY_SIZE = CONFIG_SETTINGS_STORAGE_SIZE
+};
 
 static char path[PATH_MAX];
 static uint8_t memory[MEMORY_SIZE];
@@ -235,11 +238,12 @@ static int parse_path(const char *value, struct host_error *error)
 
 	if (value[0] == '\0' || strlen(value) >= sizeof(path)) {
 		return host_error_set(error, "the path of a file, shorter than %zu bytes",
-				      sizeof(path));
+		                      sizeof(path));
 	}
 	if (stat(value, &status) == 0 && !S_ISREG(status.st_mode)) {
-		return host_error_set(error, "%s is not a regular file; give the path of one, or of one to make",
-				      value);
+		return host_error_set(
+			error, "%s is not a regular file; give the path of one, or of one to make",
+			value);
 	}
 	memcpy(path, value, strlen(value) + 1);
 	return 0;
@@ -247,6 +251,36 @@ static int parse_path(const char *value, struct host_error *error)
 
 static const struct host_option options[] = {
 	{"settings", "PATH", "keep settings in this file (default: in memory)", parse_path},
+	{0},
+};
+
+static enum control_result set_fault(struct control_call *call)
+{
+	const char *kind;
+	int64_t byte;
+
+	if (!control_string(call, "kind", &kind)) {
+		return CONTROL_ERROR;
+	}
+	if (strcmp(kind, "none") == 0) {
+		settings_host_heal();
+		return CONTROL_OK;
+	}
+	if (strcmp(kind, "torn") != 0) {
+		return control_fail(call, "storage has no fault \"%.40s\"; there are none, torn",
+		                    kind);
+	}
+	if (!control_integer(call, "byte", 0, INT64_MAX, &byte)) {
+		return CONTROL_ERROR;
+	}
+	settings_host_tear((uint64_t)byte);
+	return CONTROL_OK;
+}
+
+static const struct control_fault faults[] = {
+	{"storage",
+         "kind torn with byte: writing fails after that many more bytes, until a reset; kind none",
+         set_fault},
 	{0},
 };
 
@@ -272,6 +306,7 @@ HOST_MODULE(settings_module) = {
 	.name = "settings",
 	.order = HOST_ORDER_BOARD,
 	.options = options,
+	.faults = faults,
 	.start = start,
 	.save = save,
 };

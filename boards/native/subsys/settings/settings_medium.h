@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where settings are kept: between the kernel's side and the host's. No header of either is included.
+ * Where settings are kept: between the kernel's side and the host's. No header of either is
+ * included.
  *
  * A medium holds one string of bytes. Functions return 0 (read: the length) or -errno.
  */
@@ -24,8 +25,9 @@ struct settings_medium {
 /* The host's: the file of --settings, or memory. */
 const struct settings_medium *settings_host_medium(void);
 
-/* The fault: power fails after `bytes` more bytes have reached the medium (putting a replaced content in
- * force counts as one). From then on every write is -EIO, until settings_host_heal() or a reset.
+/* The fault: power fails after `bytes` more bytes have reached the medium (putting a replaced
+ * content in force counts as one). From then on every write is -EIO, until settings_host_heal() or
+ * a reset.
  */
 void settings_host_tear(uint64_t bytes);
 void settings_host_heal(void);

@@ -120,7 +120,7 @@ static bool same_name(const struct settings_record *a, const struct settings_rec
 }
 
 static bool is_superseded(const struct settings_records *self, size_t next,
-			  const struct settings_record *record)
+                          const struct settings_record *record)
 {
 	struct settings_record later;
 
@@ -134,7 +134,7 @@ static bool is_superseded(const struct settings_records *self, size_t next,
 }
 
 bool settings_records_next(const struct settings_records *self, size_t *cursor,
-			   struct settings_record *record)
+                           struct settings_record *record)
 {
 	if (*cursor == 0) {
 		*cursor = HEAD_SIZE;
@@ -149,7 +149,7 @@ bool settings_records_next(const struct settings_records *self, size_t *cursor,
 }
 
 bool settings_records_find(const struct settings_records *self, const char *name,
-			   struct settings_record *record)
+                           struct settings_record *record)
 {
 	const struct settings_record wanted = {.name = name, .name_length = strlen(name)};
 	struct settings_record each;
@@ -281,7 +281,7 @@ static int append(struct settings_records *self, const uint8_t *record, size_t l
 }
 
 int settings_records_save(struct settings_records *self, const char *name, const void *value,
-			  size_t value_length)
+                          size_t value_length)
 {
 	const size_t name_length = strlen(name);
 	uint8_t bytes[RECORD_MAX];
@@ -311,7 +311,7 @@ int settings_records_save(struct settings_records *self, const char *name, const
 	length = build(bytes, name, value, value_length);
 	fits = self->length + length <= sizeof(self->image) - HEAD_SIZE &&
 	       (self->length + length <= SETTINGS_RECORDS_COMPACT_MIN ||
-		self->length + length <= 2 * live);
+	        self->length + length <= 2 * live);
 	rc = fits && !self->rewrite ? append(self, bytes, length) : compact(self, bytes, length);
 	if (rc == 0) {
 		self->live = live;

@@ -13,8 +13,8 @@
  * changed. When half of the content is of no use any more, or something is broken, the next write
  * replaces the content by the live records.
  *
- * A broken record is left out; the records after it are found by its own length if that is sound, else
- * by searching for the next sound record.
+ * A broken record is left out; the records after it are found by its own length if that is sound,
+ *else by searching for the next sound record.
  */
 #ifndef SETTINGS_RECORDS_H
 #define SETTINGS_RECORDS_H
@@ -62,15 +62,15 @@ int settings_records_open(struct settings_records *self, const struct settings_m
 
 /* Visits the live records: start with *cursor 0. False: no more. */
 bool settings_records_next(const struct settings_records *self, size_t *cursor,
-			   struct settings_record *record);
+                           struct settings_record *record);
 
 bool settings_records_find(const struct settings_records *self, const char *name,
-			   struct settings_record *record);
+                           struct settings_record *record);
 
-/* value_length 0 deletes. 0, -EINVAL, -ENOSPC, -ENODEV (not open), or the medium's error; then the old
- * value stays.
+/* value_length 0 deletes. 0, -EINVAL, -ENOSPC, -ENODEV (not open), or the medium's error; then the
+ * old value stays.
  */
 int settings_records_save(struct settings_records *self, const char *name, const void *value,
-			  size_t value_length);
+                          size_t value_length);
 
 #endif

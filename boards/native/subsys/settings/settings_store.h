@@ -14,7 +14,8 @@ struct settings_store_status {
 
 void settings_store_status(struct settings_store_status *status);
 
-/* Forgets what is in RAM, as a reset does: the next settings_subsys_init() opens the store anew. Tests. */
+/* Forgets what is in RAM, as a reset does: the next settings_subsys_init() opens the store anew.
+ * Tests. */
 void settings_store_close(void);
 
 #endif

@@ -51,7 +51,7 @@ static void line_complete(const struct shell *sh)
 	if (ctx->overflow) {
 		ctx->executing = true;
 		shell_error(sh, "line longer than %d characters: not executed",
-			    CONFIG_SHELL_CMD_BUFF_SIZE - 1);
+		            CONFIG_SHELL_CMD_BUFF_SIZE - 1);
 		ctx->executing = false;
 		ctx->ret_val = -ENOEXEC;
 		shell_edit_reset(sh);
@@ -112,8 +112,8 @@ static void shell_thread(void *p1, void *p2, void *p3)
 }
 
 int shell_init(const struct shell *sh, const void *transport_config,
-	       struct shell_backend_config_flags cfg_flags, bool log_backend,
-	       uint32_t init_log_level)
+               struct shell_backend_config_flags cfg_flags, bool log_backend,
+               uint32_t init_log_level)
 {
 	struct shell_ctx *ctx = sh->ctx;
 	int rc;
@@ -138,7 +138,7 @@ int shell_init(const struct shell *sh, const void *transport_config,
 	}
 	ctx->state = SHELL_STATE_ACTIVE;
 	ctx->tid = k_thread_create(sh->thread, sh->stack, CONFIG_SHELL_STACK_SIZE, shell_thread,
-				   (void *)sh, NULL, NULL, SHELL_PRIORITY, 0, K_NO_WAIT);
+	                           (void *)sh, NULL, NULL, SHELL_PRIORITY, 0, K_NO_WAIT);
 	(void)k_thread_name_set(ctx->tid, sh->thread_name);
 	return 0;
 }

@@ -3,11 +3,11 @@
 
 #include "shell_internal.h"
 
-/* Follows the words before the last one; *prefix is the last word as far as it was typed. False: what
- * stands there is no command that has subcommands.
+/* Follows the words before the last one; *prefix is the last word as far as it was typed. False:
+ * what stands there is no command that has subcommands.
  */
 static bool find_parent(char *text, const struct shell_static_entry **parent,
-			struct shell_static_entry *space, const char **prefix)
+                        struct shell_static_entry *space, const char **prefix)
 {
 	const size_t len = strlen(text);
 	const bool new_word = len == 0 || text[len - 1] == ' ';
@@ -33,7 +33,7 @@ static bool find_parent(char *text, const struct shell_static_entry **parent,
 }
 
 static void list_matches(const struct shell *sh, const struct shell_static_entry *parent,
-			 const char *prefix, size_t longest)
+                         const char *prefix, size_t longest)
 {
 	const size_t width = longest + 2;
 	const size_t per_row = sh->ctx->columns / width > 0 ? sh->ctx->columns / width : 1;

@@ -4,9 +4,9 @@
 
 static int cmd_list(const struct shell *sh, size_t argc, char **argv)
 {
-	STRUCT_SECTION_FOREACH(device, dev)
-	{
-		shell_print(sh, "%-20s %s", dev->name, device_is_ready(dev) ? "ready" : "not ready");
+	STRUCT_SECTION_FOREACH(device, dev) {
+		shell_print(sh, "%-20s %s", dev->name,
+		            device_is_ready(dev) ? "ready" : "not ready");
 	}
 	return 0;
 }

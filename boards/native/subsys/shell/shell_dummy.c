@@ -15,7 +15,7 @@ static shell_transport_handler_t event;
 static void *event_context;
 
 static int dummy_init(const struct shell_transport *transport, const void *config,
-		      shell_transport_handler_t evt_handler, void *context)
+                      shell_transport_handler_t evt_handler, void *context)
 {
 	event = evt_handler;
 	event_context = context;
@@ -33,7 +33,7 @@ static int dummy_enable(const struct shell_transport *transport, bool blocking_t
 }
 
 static int dummy_write(const struct shell_transport *transport, const void *data, size_t length,
-		       size_t *cnt)
+                       size_t *cnt)
 {
 	const size_t room = sizeof(output) - 1 - output_len;
 	const size_t kept = length < room ? length : room;
@@ -46,7 +46,7 @@ static int dummy_write(const struct shell_transport *transport, const void *data
 }
 
 static int dummy_read(const struct shell_transport *transport, void *data, size_t length,
-		      size_t *cnt)
+                      size_t *cnt)
 {
 	const size_t left = input_len - input_at;
 

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The screen is redrawn from the prompt after every key but the commonest (a character at the end of
- * the line), so that what it shows does not depend on what it showed before.
+ * The screen is redrawn from the prompt after every key but the commonest (a character at the end
+ * of the line), so that what it shows does not depend on what it showed before.
  */
 #include <stdio.h>
 #include <string.h>
 
 #include "shell_internal.h"
 
-#define CTRL(letter) ((letter) & 0x1f)
+#define CTRL(letter) ((letter)&0x1f)
 #define BACKSPACE    0x08
 #define DELETE       0x7f
 #define ESCAPE       0x1b
@@ -349,8 +349,7 @@ static void csi_byte(const struct shell *sh, char byte)
 		if (ctx->key_arg_count == 0) {
 			ctx->key_arg_count = 1;
 		}
-		*arg = *arg > KEY_ARG_MAX / 10 ? KEY_ARG_MAX
-					       : (uint16_t)(*arg * 10 + (byte - '0'));
+		*arg = *arg > KEY_ARG_MAX / 10 ? KEY_ARG_MAX : (uint16_t)(*arg * 10 + (byte - '0'));
 	} else if (byte == ';') {
 		ctx->key_arg_count = 2;
 	} else if (byte >= '@' && byte <= '~') {

@@ -39,7 +39,7 @@ void shell_help_commands(const struct shell *sh, const struct shell_static_entry
 		/* A help text of several lines stays in its column. */
 		for (const char *end; (end = strchr(line, '\n')) != NULL; line = end + 1) {
 			shell_fprintf(sh, SHELL_NORMAL, "  %.*s\n%*s", (int)(end - line), line,
-				      (int)width + 2, "");
+			              (int)width + 2, "");
 		}
 		shell_print(sh, "%s%s", *line == '\0' ? "" : "  ", line);
 		after = entry->syntax;
@@ -139,7 +139,7 @@ static int call(const struct shell *sh, const struct search *search, size_t argc
 	rc = check_count(sh, &search->handler, argc - search->handler_at);
 	if (rc == 0) {
 		rc = search->handler.handler(sh, argc - search->handler_at,
-					     &argv[search->handler_at]);
+		                             &argv[search->handler_at]);
 	}
 	return rc;
 }
@@ -172,7 +172,7 @@ int shell_execute(const struct shell *sh)
 		}
 		if (argc == CONFIG_SHELL_ARGC_MAX) {
 			shell_error(sh, "too many parameters: at most %d words",
-				    CONFIG_SHELL_ARGC_MAX);
+			            CONFIG_SHELL_ARGC_MAX);
 			return -ENOEXEC;
 		}
 		rc = take_word(sh, &search, word, argc);

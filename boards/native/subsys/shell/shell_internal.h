@@ -27,7 +27,7 @@ void shell_out_color(const struct shell *sh, enum shell_vt100_color color);
 void shell_out_fresh_line(const struct shell *sh);
 /* A line of log, without its end; above the line being typed. Takes wr_mtx itself. */
 void shell_out_log(const struct shell *sh, enum shell_vt100_color color, const char *text,
-		   size_t len);
+                   size_t len);
 /* Lets a command of another thread, or a line of log, print: takes the line being typed away, and
  * brings it back.
  */
@@ -77,15 +77,15 @@ enum shell_word_result shell_word_next(char **cursor, char **word);
  * space: for dynamic commands, lives as long as the result.
  */
 const struct shell_static_entry *shell_cmd_get(const struct shell_static_entry *parent,
-					       size_t index, struct shell_static_entry *space);
+                                               size_t index, struct shell_static_entry *space);
 const struct shell_static_entry *shell_cmd_find(const struct shell_static_entry *parent,
-						const char *word, struct shell_static_entry *space);
+                                                const char *word, struct shell_static_entry *space);
 /* Visits in alphabetical order: the first command that is after `after` ("" first) and begins with
  * prefix; NULL: no more.
  */
 const struct shell_static_entry *shell_cmd_after(const struct shell_static_entry *parent,
-						 const char *after, const char *prefix,
-						 struct shell_static_entry *space);
+                                                 const char *after, const char *prefix,
+                                                 struct shell_static_entry *space);
 
 /* --- shell_exec.c: without wr_mtx --- */
 

@@ -6,7 +6,8 @@
 #include <zephyr/shell/shell.h>
 #include <zephyr/sys/reboot.h>
 
-/* Printing may wait for the UART, and threads must not come or go meanwhile: so the list is taken first. */
+/* Printing may wait for the UART, and threads must not come or go meanwhile: so the list is taken
+ * first. */
 #define THREADS_MAX 32
 
 struct thread_row {
@@ -68,8 +69,8 @@ static int cmd_threads(const struct shell *sh, size_t argc, char **argv)
 		const struct thread_row *row = &rows.row[i];
 
 		shell_print(sh, "%-16s %4d  %-12s %zu / %zu", row->name, row->priority,
-			    row->state[0] == '\0' ? "ready" : row->state,
-			    row->stack_size - row->stack_unused, row->stack_size);
+		            row->state[0] == '\0' ? "ready" : row->state,
+		            row->stack_size - row->stack_unused, row->stack_size);
 	}
 	print_left_out(sh);
 	(void)k_mutex_unlock(&rows_lock);
@@ -85,8 +86,8 @@ static int cmd_stacks(const struct shell *sh, size_t argc, char **argv)
 		const size_t used = row->stack_size - row->stack_unused;
 
 		shell_print(sh, "%-16s size %zu, unused %zu, used %zu (%zu %%)", row->name,
-			    row->stack_size, row->stack_unused, used,
-			    row->stack_size == 0 ? 0 : used * 100 / row->stack_size);
+		            row->stack_size, row->stack_unused, used,
+		            row->stack_size == 0 ? 0 : used * 100 / row->stack_size);
 	}
 	print_left_out(sh);
 	(void)k_mutex_unlock(&rows_lock);

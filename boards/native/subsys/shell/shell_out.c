@@ -91,7 +91,7 @@ void shell_out_end(const struct shell *sh)
 }
 
 static void out_colored(const struct shell *sh, enum shell_vt100_color color, const char *text,
-			size_t len)
+                        size_t len)
 {
 	const bool colored = color != SHELL_VT100_COLOR_DEFAULT;
 	const bool newline = len > 0 && text[len - 1] == '\n';
@@ -110,7 +110,7 @@ static void out_colored(const struct shell *sh, enum shell_vt100_color color, co
 }
 
 void shell_out_log(const struct shell *sh, enum shell_vt100_color color, const char *text,
-		   size_t len)
+                   size_t len)
 {
 	struct shell_ctx *ctx = sh->ctx;
 
@@ -124,7 +124,7 @@ void shell_out_log(const struct shell *sh, enum shell_vt100_color color, const c
 }
 
 void shell_vfprintf(const struct shell *sh, enum shell_vt100_color color, const char *fmt,
-		    va_list args)
+                    va_list args)
 {
 	static const char cut[] = "...\n";
 	struct shell_ctx *ctx = sh->ctx;
@@ -157,7 +157,7 @@ void shell_fprintf(const struct shell *sh, enum shell_vt100_color color, const c
 }
 
 void shell_hexdump_line(const struct shell *sh, unsigned int offset, const uint8_t *data,
-			size_t len)
+                        size_t len)
 {
 	char hex[SHELL_HEXDUMP_BYTES_IN_LINE * 3 + 2] = "";
 	char text[SHELL_HEXDUMP_BYTES_IN_LINE + 1] = "";
@@ -166,11 +166,11 @@ void shell_hexdump_line(const struct shell *sh, unsigned int offset, const uint8
 	for (size_t i = 0; i < len && i < SHELL_HEXDUMP_BYTES_IN_LINE; i++) {
 		/* A gap in the middle makes the columns countable. */
 		at += (size_t)snprintf(&hex[at], sizeof(hex) - at, "%02x%s", data[i],
-				       i == SHELL_HEXDUMP_BYTES_IN_LINE / 2 - 1 ? "  " : " ");
+		                       i == SHELL_HEXDUMP_BYTES_IN_LINE / 2 - 1 ? "  " : " ");
 		text[i] = data[i] >= ' ' && data[i] <= '~' ? (char)data[i] : '.';
 	}
 	shell_print(sh, "%08X: %-*s|%-*s|", offset, (int)sizeof(hex) - 1, hex,
-		    SHELL_HEXDUMP_BYTES_IN_LINE, text);
+	            SHELL_HEXDUMP_BYTES_IN_LINE, text);
 }
 
 void shell_hexdump(const struct shell *sh, const uint8_t *data, size_t len)
@@ -178,9 +178,8 @@ void shell_hexdump(const struct shell *sh, const uint8_t *data, size_t len)
 	for (size_t at = 0; at < len; at += SHELL_HEXDUMP_BYTES_IN_LINE) {
 		const size_t left = len - at;
 
-		shell_hexdump_line(sh, (unsigned int)at, &data[at],
-				   left < SHELL_HEXDUMP_BYTES_IN_LINE
-					   ? left
-					   : SHELL_HEXDUMP_BYTES_IN_LINE);
+		shell_hexdump_line(
+			sh, (unsigned int)at, &data[at],
+			left < SHELL_HEXDUMP_BYTES_IN_LINE ? left : SHELL_HEXDUMP_BYTES_IN_LINE);
 	}
 }

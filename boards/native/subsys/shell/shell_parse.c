@@ -71,7 +71,7 @@ static const struct shell_static_entry *root_get(size_t index)
 }
 
 const struct shell_static_entry *shell_cmd_get(const struct shell_static_entry *parent,
-					       size_t index, struct shell_static_entry *space)
+                                               size_t index, struct shell_static_entry *space)
 {
 	if (parent == NULL) {
 		return root_get(index);
@@ -88,7 +88,7 @@ const struct shell_static_entry *shell_cmd_get(const struct shell_static_entry *
 }
 
 const struct shell_static_entry *shell_cmd_find(const struct shell_static_entry *parent,
-						const char *word, struct shell_static_entry *space)
+                                                const char *word, struct shell_static_entry *space)
 {
 	const struct shell_static_entry *entry;
 
@@ -101,8 +101,8 @@ const struct shell_static_entry *shell_cmd_find(const struct shell_static_entry 
 }
 
 const struct shell_static_entry *shell_cmd_after(const struct shell_static_entry *parent,
-						 const char *after, const char *prefix,
-						 struct shell_static_entry *space)
+                                                 const char *after, const char *prefix,
+                                                 struct shell_static_entry *space)
 {
 	const struct shell_static_entry *entry;
 	struct shell_static_entry found = {0};

@@ -104,7 +104,7 @@ static void uart_isr(const struct device *dev, void *user_data)
 }
 
 static int transport_init(const struct shell_transport *transport, const void *config,
-			  shell_transport_handler_t evt_handler, void *context)
+                          shell_transport_handler_t evt_handler, void *context)
 {
 	struct uart_transport *self = transport->ctx;
 	int rc;
@@ -136,8 +136,8 @@ static int transport_enable(const struct shell_transport *transport, bool blocki
 	return 0;
 }
 
-static int transport_write(const struct shell_transport *transport, const void *data,
-			   size_t length, size_t *cnt)
+static int transport_write(const struct shell_transport *transport, const void *data, size_t length,
+                           size_t *cnt)
 {
 	struct uart_transport *self = transport->ctx;
 	const unsigned int key = irq_lock();
@@ -165,7 +165,7 @@ static int transport_write(const struct shell_transport *transport, const void *
 }
 
 static int transport_read(const struct shell_transport *transport, void *data, size_t length,
-			  size_t *cnt)
+                          size_t *cnt)
 {
 	struct uart_transport *self = transport->ctx;
 	const unsigned int key = irq_lock();
@@ -194,7 +194,7 @@ static const struct shell_transport uart_shell_transport = {
 };
 
 SHELL_DEFINE(shell_uart, CONFIG_SHELL_PROMPT_UART, &uart_shell_transport, 0, 0,
-	     SHELL_FLAG_CRLF_DEFAULT);
+             SHELL_FLAG_CRLF_DEFAULT);
 
 const struct shell *shell_backend_uart_get_ptr(void)
 {

@@ -9,9 +9,9 @@
  *
  * A source file that logs has one LOG_MODULE_REGISTER, or, in the other files of the same module,
  * LOG_MODULE_DECLARE; both take the name, and the level if it is not CONFIG_LOG_DEFAULT_LEVEL.
- * Macros may be used in any context, interrupts included. The text is rendered at the call, so that a
- * string argument need not outlive it, and waits in a ring for the log thread. A full ring drops the
- * message and counts it. A text longer than LOG_TEXT_MAX is cut and ends in "...".
+ * Macros may be used in any context, interrupts included. The text is rendered at the call, so that
+ *a string argument need not outlive it, and waits in a ring for the log thread. A full ring drops
+ *the message and counts it. A text longer than LOG_TEXT_MAX is cut and ends in "...".
  */
 #ifndef ZEPHYR_LOGGING_LOG_H
 #define ZEPHYR_LOGGING_LOG_H
@@ -39,7 +39,7 @@ struct log_source {
 void log_write(uint8_t level, const struct log_source *source, const char *fmt, ...)
 	__attribute__((format(printf, 3, 4)));
 void log_write_hexdump(uint8_t level, const struct log_source *source, const void *data,
-		       size_t length, const char *text);
+                       size_t length, const char *text);
 
 #ifdef CONFIG_LOG
 #define LOG_SOURCE_LEVEL(name, level, ...)                                                         \
@@ -55,7 +55,7 @@ void log_write_hexdump(uint8_t level, const struct log_source *source, const voi
 #define LOG_SOURCE_NAME(name, ...)   log_source_##name
 #define LOG_SOURCE_STRING(name, ...) #name
 /* One more level, so that the arguments are expanded first. */
-#define LOG_APPLY(macro, ...) macro(__VA_ARGS__)
+#define LOG_APPLY(macro, ...)        macro(__VA_ARGS__)
 
 #define LOG_MODULE_REGISTER(...)                                                                   \
 	const struct log_source LOG_APPLY(LOG_SOURCE_NAME, __VA_ARGS__, 0) = {                     \
@@ -80,7 +80,7 @@ void log_write_hexdump(uint8_t level, const struct log_source *source, const voi
 	do {                                                                                       \
 		if (LOG_IS_ON(_level)) {                                                           \
 			log_write_hexdump((uint8_t)(_level), log_source_current, _data, _length,   \
-					  _str);                                                   \
+			                  _str);                                                   \
 		}                                                                                  \
 	} while (0)
 
@@ -94,13 +94,9 @@ void log_write_hexdump(uint8_t level, const struct log_source *source, const voi
 #endif
 
 /* _str: one line above the data. */
-#define LOG_HEXDUMP_ERR(_data, _length, _str)                                                      \
-	LOG_WRITE_HEXDUMP(LOG_LEVEL_ERR, _data, _length, _str)
-#define LOG_HEXDUMP_WRN(_data, _length, _str)                                                      \
-	LOG_WRITE_HEXDUMP(LOG_LEVEL_WRN, _data, _length, _str)
-#define LOG_HEXDUMP_INF(_data, _length, _str)                                                      \
-	LOG_WRITE_HEXDUMP(LOG_LEVEL_INF, _data, _length, _str)
-#define LOG_HEXDUMP_DBG(_data, _length, _str)                                                      \
-	LOG_WRITE_HEXDUMP(LOG_LEVEL_DBG, _data, _length, _str)
+#define LOG_HEXDUMP_ERR(_data, _length, _str) LOG_WRITE_HEXDUMP(LOG_LEVEL_ERR, _data, _length, _str)
+#define LOG_HEXDUMP_WRN(_data, _length, _str) LOG_WRITE_HEXDUMP(LOG_LEVEL_WRN, _data, _length, _str)
+#define LOG_HEXDUMP_INF(_data, _length, _str) LOG_WRITE_HEXDUMP(LOG_LEVEL_INF, _data, _length, _str)
+#define LOG_HEXDUMP_DBG(_data, _length, _str) LOG_WRITE_HEXDUMP(LOG_LEVEL_DBG, _data, _length, _str)
 
 #endif

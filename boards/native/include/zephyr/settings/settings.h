@@ -3,12 +3,12 @@
  * Settings: named values that survive a reset. The subset of Zephyr's API that the native port has;
  * semantics are those of Zephyr 3.4.
  *
- * A name is a path, "light/brightness". A module registers a handler for a subtree; loading calls its
- * h_set for each stored value, then its h_commit. From threads only.
+ * A name is a path, "light/brightness". A module registers a handler for a subtree; loading calls
+ * its h_set for each stored value, then its h_commit. From threads only.
  *
- * The native store is a file (`--settings PATH`), or memory that lasts as long as the process and its
- * resets. A value is written whole or not at all: after a cut at any instant, the old or the new one is
- * read, never a mix.
+ * The native store is a file (`--settings PATH`), or memory that lasts as long as the process and
+ * its resets. A value is written whole or not at all: after a cut at any instant, the old or the
+ * new one is read, never a mix.
  */
 #ifndef ZEPHYR_SETTINGS_SETTINGS_H
 #define ZEPHYR_SETTINGS_SETTINGS_H
@@ -26,7 +26,7 @@
 #define SETTINGS_NAME_SEPARATOR '/'
 #define SETTINGS_NAME_END       '='
 /* Room for separators and the terminator. */
-#define SETTINGS_EXTRA_LEN ((SETTINGS_MAX_DIR_DEPTH - 1) + 2)
+#define SETTINGS_EXTRA_LEN      ((SETTINGS_MAX_DIR_DEPTH - 1) + 2)
 
 /* Copies at most len bytes of the stored value; returns how many, or -errno. */
 typedef ssize_t (*settings_read_cb)(void *cb_arg, void *data, size_t len);
@@ -76,12 +76,12 @@ int settings_load_subtree(const char *subtree);
 
 /* cb: as h_set, and param. Non-zero stops. 0 or -errno. */
 typedef int (*settings_load_direct_cb)(const char *key, size_t len, settings_read_cb read_cb,
-				       void *cb_arg, void *param);
+                                       void *cb_arg, void *param);
 int settings_load_subtree_direct(const char *subtree, settings_load_direct_cb cb, void *param);
 
 /* Writes one value, unless that is what is stored. It is stored for good when this returns 0.
- * val_len 0 deletes. -EINVAL: name or value too long; -ENOSPC; -EBUSY: called while loading; or what the
- * host said, and the old value stays.
+ * val_len 0 deletes. -EINVAL: name or value too long; -ENOSPC; -EBUSY: called while loading; or
+ * what the host said, and the old value stays.
  */
 int settings_save_one(const char *name, const void *value, size_t val_len);
 int settings_delete(const char *name);
@@ -92,7 +92,8 @@ int settings_save(void);
 int settings_commit(void);
 int settings_commit_subtree(const char *subtree);
 
-/* Does name begin with the whole words of key? *next: the rest after the separator, or NULL. 1: yes. */
+/* Does name begin with the whole words of key? *next: the rest after the separator, or NULL. 1:
+ * yes. */
 int settings_name_steq(const char *name, const char *key, const char **next);
 
 /* Length of the first word of name; *next: the rest after the separator, or NULL. */

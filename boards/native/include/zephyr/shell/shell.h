@@ -36,11 +36,11 @@
 #include <zephyr/sys/util.h>
 
 /* As `optional`: what follows the mandatory words is one argument, exactly as it was typed. */
-#define SHELL_OPT_ARG_RAW 0xFE
+#define SHELL_OPT_ARG_RAW        0xFE
 /* As `optional`: any number of words. */
 #define SHELL_OPT_ARG_CHECK_SKIP 0xFF
 /* Highest number of optional words that can be checked. */
-#define SHELL_OPT_ARG_MAX 0xFD
+#define SHELL_OPT_ARG_MAX        0xFD
 
 /* What a command returns after it has only printed its help. */
 #define SHELL_CMD_HELP_PRINTED 1
@@ -76,11 +76,13 @@ struct shell_static_entry {
 
 #define SHELL_EXPR_CMD_ARG(_expr, _syntax, _subcmd, _help, _handler, _mand, _opt)                  \
 	{                                                                                          \
-		.syntax = (_expr) ? STRINGIFY(_syntax) : "",                                       \
-		.help = (_expr) ? (const char *)(_help) : NULL,                                    \
-		.subcmd = (_expr) ? (const union shell_cmd_entry *)(_subcmd) : NULL,               \
-		.handler = (_expr) ? (shell_cmd_handler)(_handler) : NULL,                         \
-		.args = {.mandatory = (_mand), .optional = (_opt)},                                \
+		.syntax = (_expr)                                                                  \
+			? STRINGIFY(_syntax) : "",                                                 \
+		                    .help = (_expr) ? (const char *)(_help) : NULL,                \
+		                    .subcmd = (_expr) ? (const union shell_cmd_entry *)(_subcmd)   \
+		                                      : NULL,                                      \
+		                    .handler = (_expr) ? (shell_cmd_handler)(_handler) : NULL,     \
+		                    .args = {.mandatory = (_mand), .optional = (_opt)},            \
 	}
 #define SHELL_EXPR_CMD(_expr, _syntax, _subcmd, _help, _handler)                                   \
 	SHELL_EXPR_CMD_ARG(_expr, _syntax, _subcmd, _help, _handler, 0, 0)
@@ -109,14 +111,14 @@ struct shell_static_entry {
 /* A set of subcommands that a function enumerates. */
 #define SHELL_DYNAMIC_CMD_CREATE(_name, _get)                                                      \
 	static const TYPE_SECTION_ITERABLE(union shell_cmd_entry, _name, shell_dynamic_subcmds,    \
-					   _name) = {.dynamic_get = (_get)}
+	                                   _name) = {.dynamic_get = (_get)}
 
 /* A root command. Each has a name of its own. */
 #define SHELL_CMD_ARG_REGISTER(_syntax, _subcmd, _help, _handler, _mand, _opt)                     \
 	static const struct shell_static_entry shell_entry_##_syntax =                             \
 		SHELL_CMD_ARG(_syntax, _subcmd, _help, _handler, _mand, _opt);                     \
 	static const TYPE_SECTION_ITERABLE(union shell_cmd_entry, shell_cmd_##_syntax,             \
-					   shell_root_cmds, shell_cmd_##_syntax) = {               \
+	                                   shell_root_cmds, shell_cmd_##_syntax) = {               \
 		.entry = &shell_entry_##_syntax}
 #define SHELL_CMD_REGISTER(_syntax, _subcmd, _help, _handler)                                      \
 	SHELL_CMD_ARG_REGISTER(_syntax, _subcmd, _help, _handler, 0, 0)
@@ -147,7 +149,7 @@ enum shell_vt100_color {
 void shell_fprintf(const struct shell *sh, enum shell_vt100_color color, const char *fmt, ...)
 	__attribute__((format(printf, 3, 4)));
 void shell_vfprintf(const struct shell *sh, enum shell_vt100_color color, const char *fmt,
-		    va_list args) __attribute__((format(printf, 3, 0)));
+                    va_list args) __attribute__((format(printf, 3, 0)));
 
 /* With a line end. */
 #define shell_info(_sh, _ft, ...)  shell_fprintf(_sh, SHELL_INFO, _ft "\n", ##__VA_ARGS__)
@@ -159,7 +161,7 @@ void shell_vfprintf(const struct shell *sh, enum shell_vt100_color color, const 
 
 /* One line: offset, up to 16 bytes, the same as text. */
 void shell_hexdump_line(const struct shell *sh, unsigned int offset, const uint8_t *data,
-			size_t len);
+                        size_t len);
 void shell_hexdump(const struct shell *sh, const uint8_t *data, size_t len);
 
 /* --- a shell -------------------------------------------------------------------------------- */
@@ -173,19 +175,19 @@ typedef void (*shell_transport_handler_t)(enum shell_transport_evt evt, void *co
 
 struct shell_transport;
 
-/* read() and write() take what they can, put the number of bytes in *cnt, never wait, and return 0 or
- * -errno. The handler may be called from interrupts.
+/* read() and write() take what they can, put the number of bytes in *cnt, never wait, and return 0
+ * or -errno. The handler may be called from interrupts.
  */
 struct shell_transport_api {
 	int (*init)(const struct shell_transport *transport, const void *config,
-		    shell_transport_handler_t evt_handler, void *context);
+	            shell_transport_handler_t evt_handler, void *context);
 	int (*uninit)(const struct shell_transport *transport);
 	/* blocking_tx: from now on write() itself waits for the device, without interrupts. */
 	int (*enable)(const struct shell_transport *transport, bool blocking_tx);
 	int (*write)(const struct shell_transport *transport, const void *data, size_t length,
-		     size_t *cnt);
+	             size_t *cnt);
 	int (*read)(const struct shell_transport *transport, void *data, size_t length,
-		    size_t *cnt);
+	            size_t *cnt);
 };
 
 struct shell_transport {
@@ -295,12 +297,12 @@ struct shell {
 	}
 
 /* Opens the transport and starts the shell's thread. log_backend: its lines of log go through this
- * shell. init_log_level is taken and not needed: levels are set at build time. 0, -EALREADY, or what
- * the transport returned.
+ * shell. init_log_level is taken and not needed: levels are set at build time. 0, -EALREADY, or
+ * what the transport returned.
  */
 int shell_init(const struct shell *sh, const void *transport_config,
-	       struct shell_backend_config_flags cfg_flags, bool log_backend,
-	       uint32_t init_log_level);
+               struct shell_backend_config_flags cfg_flags, bool log_backend,
+               uint32_t init_log_level);
 
 /* True when the shell executes commands. */
 bool shell_ready(const struct shell *sh);

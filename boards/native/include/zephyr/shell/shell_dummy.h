@@ -10,8 +10,8 @@
 
 const struct shell *shell_backend_dummy_get_ptr(void);
 
-/* The output so far, terminated; *sizep its length. Empties the buffer for what comes next; the text
- * stays until then. Output beyond CONFIG_SHELL_BACKEND_DUMMY_BUF_SIZE - 1 bytes is lost.
+/* The output so far, terminated; *sizep its length. Empties the buffer for what comes next; the
+ * text stays until then. Output beyond CONFIG_SHELL_BACKEND_DUMMY_BUF_SIZE - 1 bytes is lost.
  */
 const char *shell_backend_dummy_get_output(const struct shell *sh, size_t *sizep);
 
