@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "proto/dronecan/endpoint.h"
+
+#include <string.h>
+
+/* Everything this device listens to. */
+static const struct dronecan_subscription subscriptions[] = {
+	{.type = &dronecan_get_node_info_type, .kind = DRONECAN_REQUEST},
+	{.type = &dronecan_get_transport_stats_type, .kind = DRONECAN_REQUEST},
+	{.type = &dronecan_restart_node_type, .kind = DRONECAN_REQUEST},
+	{.type = &dronecan_param_get_set_type, .kind = DRONECAN_REQUEST},
+	{.type = &dronecan_param_execute_opcode_type, .kind = DRONECAN_REQUEST},
+	{.type = &dronecan_dynamic_node_id_allocation_type, .kind = DRONECAN_MESSAGE},
+	{.type = &dronecan_indication_lights_command_type, .kind = DRONECAN_MESSAGE},
+	{.type = &dronecan_hardpoint_command_type, .kind = DRONECAN_MESSAGE},
+	{.type = &dronecan_actuator_array_command_type, .kind = DRONECAN_MESSAGE},
+	{
+		.type = &dronecan_tunnel_targetted_type,
+		.kind = DRONECAN_MESSAGE,
+		.is_ours = dronecan_tunnel_is_ours,
+	},
+};
+
+#define SUBSCRIPTIONS_COUNT (sizeof(subscriptions) / sizeof(subscriptions[0]))
+_Static_assert(SUBSCRIPTIONS_COUNT <= DRONECAN_SUBSCRIPTIONS_MAX, "every subscription fits");
+
+void dronecan_endpoint_init(struct dronecan_endpoint *self, int64_t now_us,
+                            const struct dronecan_endpoint_config *config, struct params *params)
+{
+	dronecan_transport_init(&self->transport, subscriptions, SUBSCRIPTIONS_COUNT,
+	                        config->node_id, config->fd, config->seed);
+	dronecan_node_init(&self->node, now_us, &config->node, &self->transport, params);
+	dronecan_tunnel_init(&self->tunnel);
+	dronecan_lights_init(&self->lights, now_us, &config->lights);
+}
+
+static void clear(struct dronecan_outbox *out)
+{
+	out->node.count = 0;
+	out->lights.count = 0;
+	out->tunnel_received = false;
+}
+
+void dronecan_endpoint_receive(struct dronecan_endpoint *self, int64_t now_us,
+                               const struct dronecan_frame *frame, struct dronecan_outbox *out)
+{
+	struct dronecan_transfer transfer;
+
+	clear(out);
+	if (!dronecan_transport_receive(&self->transport, now_us, frame, &transfer)) {
+		return;
+	}
+	if (transfer.type == &dronecan_tunnel_targetted_type) {
+		out->tunnel_received = dronecan_tunnel_receive(&self->tunnel, now_us, &transfer,
+		                                               &self->scratch, &out->tunnel);
+		return;
+	}
+	dronecan_node_receive(&self->node, now_us, &transfer, &out->node);
+	dronecan_lights_receive(&self->lights, &transfer, &out->lights);
+}
+
+void dronecan_endpoint_report(struct dronecan_endpoint *self, int64_t now_us,
+                              const struct illuminator *illuminator)
+{
+	const struct thermal_report *thermal = &illuminator->thermal;
+	const struct dronecan_node_condition condition = {
+		.health = (thermal->limit_ppm == 0) ? DRONECAN_NODE_STATUS_HEALTH_ERROR
+	                                            : DRONECAN_NODE_STATUS_HEALTH_OK,
+		.mode = DRONECAN_NODE_STATUS_MODE_OPERATIONAL,
+		.vendor_code = (uint16_t)illuminator_error_flags(illuminator),
+	};
+	const struct dronecan_lights_report report = {
+		.on = illuminator->settings.enable,
+		.temp_valid = thermal->temp_valid,
+		.overheating = thermal->state != THERMAL_STATE_NORMAL,
+		.temp_mdegc = thermal->temp_mdegc,
+	};
+
+	dronecan_node_set_condition(&self->node, now_us, &condition);
+	dronecan_lights_set_report(&self->lights, now_us, &report);
+}
+
+void dronecan_endpoint_step(struct dronecan_endpoint *self, int64_t now_us,
+                            struct dronecan_outbox *out)
+{
+	clear(out);
+	dronecan_node_step(&self->node, now_us, &out->node);
+	dronecan_lights_step(&self->lights, now_us, &self->transport);
+	dronecan_tunnel_step(&self->tunnel, now_us, &self->transport);
+}
+
+int64_t dronecan_endpoint_deadline_us(const struct dronecan_endpoint *self)
+{
+	const int64_t node_us = dronecan_node_deadline_us(&self->node);
+	const int64_t tunnel_us = dronecan_tunnel_deadline_us(&self->tunnel);
+	const int64_t lights_us = dronecan_lights_deadline_us(&self->lights);
+	const int64_t earlier_us = (node_us < tunnel_us) ? node_us : tunnel_us;
+
+	return (lights_us < earlier_us) ? lights_us : earlier_us;
+}
+
+bool dronecan_endpoint_next_frame(struct dronecan_endpoint *self, int64_t now_us,
+                                  struct dronecan_frame *frame)
+{
+	dronecan_tunnel_step(&self->tunnel, now_us, &self->transport);
+	return dronecan_transport_next_frame(&self->transport, now_us, frame);
+}
+
+void dronecan_endpoint_frame_sent(struct dronecan_endpoint *self)
+{
+	dronecan_transport_frame_sent(&self->transport);
+}

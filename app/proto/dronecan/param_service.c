@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "proto/dronecan/node.h"
+
+#include <string.h>
+
+_Static_assert(PARAMS_NAME_MAX <= sizeof(((struct dronecan_param_get_set_response *)0)->name),
+               "a parameter's name fits");
+
+static void add_changed(struct dronecan_node_outbox *out, uint64_t changed)
+{
+	if (changed != 0) {
+		out->actions[out->count++] = (struct dronecan_node_action){
+			.kind = DRONECAN_NODE_PARAMS_CHANGED,
+			.changed = changed,
+		};
+	}
+}
+
+/* A name counts before an index. PARAM_COUNT: no such parameter. */
+static uint32_t find(const struct dronecan_param_get_set_request *request)
+{
+	if (request->name_len > 0) {
+		return params_find((const char *)request->name, request->name_len);
+	}
+	return (request->index < PARAM_COUNT) ? request->index : (uint32_t)PARAM_COUNT;
+}
+
+/* The integer that a value means. False: it means none that a parameter could take. */
+static bool as_integer(const struct dronecan_param_value *value, int32_t *integer)
+{
+	switch (value->tag) {
+	case DRONECAN_PARAM_VALUE_INTEGER_VALUE:
+		*integer = (int32_t)value->integer_value;
+		return value->integer_value >= INT32_MIN && value->integer_value <= INT32_MAX;
+	case DRONECAN_PARAM_VALUE_BOOLEAN_VALUE:
+		*integer = value->boolean_value;
+		return value->boolean_value <= 1;
+	case DRONECAN_PARAM_VALUE_EMPTY:
+	case DRONECAN_PARAM_VALUE_REAL_VALUE:
+	case DRONECAN_PARAM_VALUE_STRING_VALUE:
+		return false;
+	}
+	return false;
+}
+
+static void set(struct dronecan_node *self, uint32_t index,
+                const struct dronecan_param_value *value, struct dronecan_node_outbox *out)
+{
+	uint64_t changed = 0;
+	int32_t integer;
+
+	if (!as_integer(value, &integer) ||
+	    params_set(self->params, index, integer, &changed) != PARAMS_OK) {
+		self->stats.params_refused++;
+		return;
+	}
+	add_changed(out, changed);
+}
+
+static struct dronecan_param_numeric_value numeric(int32_t value)
+{
+	return (struct dronecan_param_numeric_value){
+		.tag = DRONECAN_PARAM_NUMERIC_VALUE_INTEGER_VALUE,
+		.integer_value = value,
+	};
+}
+
+static struct dronecan_param_value integer(int32_t value)
+{
+	return (struct dronecan_param_value){
+		.tag = DRONECAN_PARAM_VALUE_INTEGER_VALUE,
+		.integer_value = value,
+	};
+}
+
+/* What is in force now; all empty for a parameter that does not exist. */
+static void answer(struct dronecan_node *self, int64_t now_us,
+                   const struct dronecan_transfer *request, uint32_t index)
+{
+	const struct param_info *info = params_info(index);
+	struct dronecan_param_get_set_response response;
+	uint8_t data[DRONECAN_TX_PAYLOAD_MAX];
+	int32_t value = 0;
+	size_t size;
+
+	memset(&response, 0, sizeof(response));
+	if (info != NULL && params_get(self->params, index, &value) == PARAMS_OK) {
+		response.value = integer(value);
+		response.default_value = integer(info->fallback);
+		response.max_value = numeric(info->max);
+		response.min_value = numeric(info->min);
+		response.name_len = (uint8_t)strlen(info->name);
+		memcpy(response.name, info->name, response.name_len);
+	}
+	if (dronecan_param_get_set_response_encode(&response, !(request->fd && self->transport->fd),
+	                                           data, sizeof(data), &size)) {
+		(void)dronecan_node_respond(self, now_us, request, data, size);
+	}
+}
+
+void dronecan_node_get_set(struct dronecan_node *self, int64_t now_us,
+                           const struct dronecan_transfer *request,
+                           struct dronecan_node_outbox *out)
+{
+	struct dronecan_param_get_set_request message;
+
+	if (!dronecan_param_get_set_request_decode(&message, !request->fd, request->data,
+	                                           request->size)) {
+		self->stats.malformed++;
+		return;
+	}
+	const uint32_t index = find(&message);
+
+	if (index != PARAM_COUNT && message.value.tag != DRONECAN_PARAM_VALUE_EMPTY) {
+		set(self, index, &message.value, out);
+	}
+	answer(self, now_us, request, index);
+}
+
+void dronecan_node_execute_opcode(struct dronecan_node *self, int64_t now_us,
+                                  const struct dronecan_transfer *request,
+                                  struct dronecan_node_outbox *out)
+{
+	struct dronecan_param_execute_opcode_request message;
+	struct dronecan_param_execute_opcode_response response = {.argument = 0, .ok = true};
+	uint8_t data[DRONECAN_PARAM_EXECUTE_OPCODE_RESPONSE_MAX_SIZE];
+	size_t size;
+
+	if (!dronecan_param_execute_opcode_request_decode(&message, !request->fd, request->data,
+	                                                  request->size)) {
+		self->stats.malformed++;
+		return;
+	}
+	if (message.opcode == DRONECAN_PARAM_EXECUTE_OPCODE_OPCODE_SAVE) {
+		out->actions[out->count++] =
+			(struct dronecan_node_action){.kind = DRONECAN_NODE_SAVE};
+	} else if (message.opcode == DRONECAN_PARAM_EXECUTE_OPCODE_OPCODE_ERASE) {
+		out->actions[out->count++] =
+			(struct dronecan_node_action){.kind = DRONECAN_NODE_ERASE};
+		add_changed(out, params_reset(self->params));
+	} else {
+		response.ok = false;
+	}
+	if (dronecan_param_execute_opcode_response_encode(&response, true, data, sizeof(data),
+	                                                  &size)) {
+		(void)dronecan_node_respond(self, now_us, request, data, size);
+	}
+}
