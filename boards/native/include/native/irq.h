@@ -2,10 +2,11 @@
 /*
  * Interrupts from simulated devices to the native kernel.
  *
- * native_irq_raise(): runs isr(arg) in interrupt context now, when interrupts are enabled and the caller is not
- * already in an interrupt; otherwise it stays pending until they are, or until that interrupt ends. An
- * interrupt that is raised while it is pending runs once (edge-triggered). Afterwards the scheduler may switch
- * threads, so that a caller in thread context may be preempted inside the call. Any context.
+ * native_irq_raise(): runs isr(arg) in interrupt context now, when interrupts are enabled and the
+ * caller is not already in an interrupt; otherwise it stays pending until they are, or until that
+ * interrupt ends. An interrupt that is raised while it is pending runs once (edge-triggered).
+ * Afterwards the scheduler may switch threads, so that a caller in thread context may be preempted
+ * inside the call. Any context.
  *
  * native_irq_cancel(): forgets a pending interrupt.
  */

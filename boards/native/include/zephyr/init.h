@@ -2,9 +2,9 @@
 /*
  * Functions that run before main(): SYS_INIT(fn, LEVEL, priority), int fn(void).
  *
- * Levels run in the order EARLY, PRE_KERNEL_1, PRE_KERNEL_2, POST_KERNEL, APPLICATION; within a level by
- * priority, 0 first; then in link order. EARLY and PRE_KERNEL_*: no thread runs yet, nothing may block.
- * POST_KERNEL and APPLICATION: in the main thread.
+ * Levels run in the order EARLY, PRE_KERNEL_1, PRE_KERNEL_2, POST_KERNEL, APPLICATION; within a
+ * level by priority, 0 first; then in link order. EARLY and PRE_KERNEL_*: no thread runs yet,
+ * nothing may block. POST_KERNEL and APPLICATION: in the main thread.
  *
  * A device is an init_entry whose dev is set: init_fn.dev(dev) is called and its result handed to
  * device_init_result().

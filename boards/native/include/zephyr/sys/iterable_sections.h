@@ -2,8 +2,9 @@
 /*
  * Objects of one type, defined anywhere in the program and visited as an array, in link order.
  *
- * The section's name is a C identifier, so the linker itself provides the start and stop symbols and no linker
- * script is needed. Object files must be linked as objects, not taken from an archive on demand.
+ * The section's name is a C identifier, so the linker itself provides the start and stop symbols
+ * and no linker script is needed. Object files must be linked as objects, not taken from an archive
+ * on demand.
  */
 #ifndef ZEPHYR_SYS_ITERABLE_SECTIONS_H_
 #define ZEPHYR_SYS_ITERABLE_SECTIONS_H_
