@@ -36,12 +36,13 @@ static int write_dark(const struct device *dev)
 	int enable_rc = 0;
 	int pwm_rc;
 
-	/* The enable line acts at once, the PWM with its next period; one suffices, so both are tried. */
+	/* The enable line acts at once, the PWM with its next period; one suffices, so both are
+	 * tried. */
 	if (config->enable.port != NULL) {
 		enable_rc = gpio_pin_set_dt(&config->enable, 0);
 	}
 	pwm_rc = pwm_set_cycles(config->pwm.dev, config->pwm.channel, data->period_cycles, 0,
-				config->pwm.flags);
+	                        config->pwm.flags);
 	return enable_rc != 0 ? enable_rc : pwm_rc;
 }
 
@@ -53,7 +54,7 @@ static int write_lit(const struct device *dev, uint32_t output_ppm)
 	const uint32_t pulse =
 		(uint32_t)(((uint64_t)output_ppm * data->period_cycles) / LIGHT_LEVEL_MAX_PPM);
 	int rc = pwm_set_cycles(config->pwm.dev, config->pwm.channel, data->period_cycles, pulse,
-				config->pwm.flags);
+	                        config->pwm.flags);
 
 	if (rc == 0 && config->enable.port != NULL) {
 		rc = gpio_pin_set_dt(&config->enable, 1);
@@ -204,11 +205,11 @@ static const struct light_driver_api light_pwm_api = {
 
 #define LIGHT_PWM_PROBE(inst)                                                                      \
 	COND_CODE_1(DT_INST_NODE_HAS_PROP(inst, probe),                                            \
-		    (DEVICE_DT_GET(DT_INST_PHANDLE(inst, probe))), (NULL))
+	            (DEVICE_DT_GET(DT_INST_PHANDLE(inst, probe))), (NULL))
 
 #define LIGHT_PWM_DEFINE(inst)                                                                     \
 	BUILD_ASSERT(DT_INST_PWMS_PERIOD(inst) > 0 && DT_INST_PWMS_PERIOD(inst) <= PERIOD_MAX_NS,  \
-		     "the PWM period of a light must be at most 500 us");                          \
+	             "the PWM period of a light must be at most 500 us");                          \
 	static struct light_pwm_data light_pwm_data_##inst;                                        \
 	static const struct light_pwm_config light_pwm_config_##inst = {                           \
 		.pwm = PWM_DT_SPEC_INST_GET(inst),                                                 \
@@ -216,7 +217,7 @@ static const struct light_driver_api light_pwm_api = {
 		.probe = LIGHT_PWM_PROBE(inst),                                                    \
 	};                                                                                         \
 	DEVICE_DT_INST_DEFINE(inst, light_pwm_init, NULL, &light_pwm_data_##inst,                  \
-			      &light_pwm_config_##inst, POST_KERNEL,                               \
-			      CONFIG_PHAROS_DRIVERS_INIT_PRIORITY, &light_pwm_api);
+	                      &light_pwm_config_##inst, POST_KERNEL,                               \
+	                      CONFIG_PHAROS_DRIVERS_INIT_PRIORITY, &light_pwm_api);
 
 DT_INST_FOREACH_STATUS_OKAY(LIGHT_PWM_DEFINE)

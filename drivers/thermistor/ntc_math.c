@@ -36,8 +36,7 @@ int32_t ntc_temp_mdegc(const struct ntc_divider *divider, uint32_t code, uint32_
 {
 	/* R / r25 = (code * pullup) / ((full - code) * r25) */
 	const int32_t log2_ratio = log2_fixed(code) - log2_fixed(full - code) +
-				   log2_fixed(divider->pullup_ohms) -
-				   log2_fixed(divider->r25_ohms);
+	                           log2_fixed(divider->pullup_ohms) - log2_fixed(divider->r25_ohms);
 	/* at most 64 * 2^20 * 0.7e9 = 4.7e16; then 4.5e10 * 1000 */
 	const int64_t ln_ratio_e9 = ((int64_t)log2_ratio * LN2_E9) / (1 << LOG2_FRACTION_BITS);
 	const int64_t inverse_t_e12 =

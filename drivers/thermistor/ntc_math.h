@@ -14,8 +14,9 @@ struct ntc_divider {
 };
 
 /*
- * The thermistor lies between the ADC input and ground, the pull-up between the input and the reference: code of
- * full. 0 < code < full. Milli degrees Celsius, to 10 mK of the formula. Any context, about 100 multiplications.
+ * The thermistor lies between the ADC input and ground, the pull-up between the input and the
+ * reference: code of full. 0 < code < full. Milli degrees Celsius, to 10 mK of the formula. Any
+ * context, about 100 multiplications.
  */
 int32_t ntc_temp_mdegc(const struct ntc_divider *divider, uint32_t code, uint32_t full);
 

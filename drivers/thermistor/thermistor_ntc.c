@@ -79,13 +79,13 @@ static const struct thermistor_driver_api thermistor_ntc_api = {
 
 #define THERMISTOR_NTC_DEFINE(inst)                                                                \
 	BUILD_ASSERT(DT_INST_PROP(inst, oversampling) >= 1 &&                                      \
-			     DT_INST_PROP(inst, oversampling) <= OVERSAMPLING_MAX,                 \
-		     "oversampling must be 1 to 64");                                              \
+	                     DT_INST_PROP(inst, oversampling) <= OVERSAMPLING_MAX,                 \
+	             "oversampling must be 1 to 64");                                              \
 	BUILD_ASSERT(DT_INST_PROP(inst, pullup_ohms) > 0 && DT_INST_PROP(inst, r25_ohms) > 0,      \
-		     "a resistance must be above 0");                                              \
+	             "a resistance must be above 0");                                              \
 	BUILD_ASSERT(DT_INST_PROP(inst, beta_kelvin) >= 1000 &&                                    \
-			     DT_INST_PROP(inst, beta_kelvin) <= 10000,                             \
-		     "beta must be 1000 to 10000 K");                                              \
+	                     DT_INST_PROP(inst, beta_kelvin) <= 10000,                             \
+	             "beta must be 1000 to 10000 K");                                              \
 	static const struct thermistor_ntc_config thermistor_ntc_config_##inst = {                 \
 		.adc = ADC_DT_SPEC_INST_GET(inst),                                                 \
 		.divider =                                                                         \
@@ -97,7 +97,7 @@ static const struct thermistor_driver_api thermistor_ntc_api = {
 		.oversampling = DT_INST_PROP(inst, oversampling),                                  \
 	};                                                                                         \
 	DEVICE_DT_INST_DEFINE(inst, thermistor_ntc_init, NULL, NULL,                               \
-			      &thermistor_ntc_config_##inst, POST_KERNEL,                          \
-			      CONFIG_PHAROS_DRIVERS_INIT_PRIORITY, &thermistor_ntc_api);
+	                      &thermistor_ntc_config_##inst, POST_KERNEL,                          \
+	                      CONFIG_PHAROS_DRIVERS_INIT_PRIORITY, &thermistor_ntc_api);
 
 DT_INST_FOREACH_STATUS_OKAY(THERMISTOR_NTC_DEFINE)

@@ -29,7 +29,7 @@ static int adc_native_channel_setup(const struct device *dev, const struct adc_c
 }
 
 static int check(const struct adc_native_data *data, const struct adc_sequence *sequence,
-		 unsigned int rounds, unsigned int stride)
+                 unsigned int rounds, unsigned int stride)
 {
 	const struct adc_sequence_options *options = sequence->options;
 
@@ -58,7 +58,7 @@ static int adc_native_read(const struct device *dev, const struct adc_sequence *
 			continue;
 		}
 		if (board_adc_convert((int64_t)clock_board_us(), channel, sequence->resolution,
-				      codes++, rounds, stride) != 0) {
+		                      codes++, rounds, stride) != 0) {
 			rc = -EINVAL;
 		}
 	}
@@ -78,6 +78,6 @@ static const struct adc_driver_api adc_native_api = {
 #define ADC_NATIVE_DEFINE(inst)                                                                    \
 	static struct adc_native_data adc_native_data_##inst;                                      \
 	DEVICE_DT_INST_DEFINE(inst, adc_native_init, NULL, &adc_native_data_##inst, NULL,          \
-			      POST_KERNEL, 40, &adc_native_api);
+	                      POST_KERNEL, 40, &adc_native_api);
 
 DT_INST_FOREACH_STATUS_OKAY(ADC_NATIVE_DEFINE)

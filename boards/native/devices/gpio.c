@@ -33,7 +33,7 @@ int gpio_pin_configure(const struct device *port, gpio_pin_t pin, gpio_flags_t f
 	rc = api_of(port)->pin_configure(port, pin, flags & ~GPIO_OUTPUT_INIT_LOGICAL);
 	if (rc == 0) {
 		data->invert = (flags & GPIO_ACTIVE_LOW) != 0 ? data->invert | BIT(pin)
-							      : data->invert & ~BIT(pin);
+		                                              : data->invert & ~BIT(pin);
 	}
 	return rc;
 }
@@ -58,8 +58,8 @@ int gpio_pin_interrupt_configure(const struct device *port, gpio_pin_t pin, gpio
 int gpio_pin_get_raw(const struct device *port, gpio_pin_t pin)
 {
 	gpio_port_value_t value = 0;
-	const int rc = pin < GPIO_MAX_PINS_PER_PORT ? api_of(port)->port_get_raw(port, &value)
-						    : -EINVAL;
+	const int rc =
+		pin < GPIO_MAX_PINS_PER_PORT ? api_of(port)->port_get_raw(port, &value) : -EINVAL;
 
 	return rc != 0 ? rc : (value & BIT(pin)) != 0;
 }

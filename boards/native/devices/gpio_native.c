@@ -69,7 +69,7 @@ static int gpio_native_port_get_raw(const struct device *port, gpio_port_value_t
 }
 
 static int gpio_native_port_set_masked_raw(const struct device *port, gpio_port_pins_t mask,
-					   gpio_port_value_t value)
+                                           gpio_port_value_t value)
 {
 	struct gpio_native_data *data = port->data;
 	unsigned int key;
@@ -119,7 +119,7 @@ static void lines_interrupt(uint32_t before, uint32_t after)
 }
 
 static int gpio_native_pin_interrupt_configure(const struct device *port, gpio_pin_t pin,
-					       gpio_flags_t flags)
+                                               gpio_flags_t flags)
 {
 	struct gpio_native_data *data = port->data;
 	const bool enable = (flags & GPIO_INT_ENABLE) != 0;
@@ -144,7 +144,7 @@ static int gpio_native_pin_interrupt_configure(const struct device *port, gpio_p
 }
 
 static int gpio_native_manage_callback(const struct device *port, struct gpio_callback *cb,
-				       bool set)
+                                       bool set)
 {
 	struct gpio_native_data *data = port->data;
 	const unsigned int key = irq_lock();
@@ -188,4 +188,4 @@ BUILD_ASSERT(DT_NUM_INST_STATUS_OKAY(DT_DRV_COMPAT) == 1, "the board has one GPI
 BUILD_ASSERT(DT_INST_PROP(0, ngpios) == BOARD_LINE_COUNT, "as models/board.h says");
 
 DEVICE_DT_INST_DEFINE(0, gpio_native_init, NULL, &gpio_native_data, NULL, PRE_KERNEL_1, 40,
-		      &gpio_native_api);
+                      &gpio_native_api);

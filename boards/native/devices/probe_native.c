@@ -9,7 +9,7 @@
 #include "host/clock.h"
 #include "models/board.h"
 
-BUILD_ASSERT((int)PROBE_COUNT <= (int)BOARD_PROBE_COUNT, "the board keeps every channel");
+BUILD_ASSERT(PROBE_COUNT <= BOARD_PROBE_COUNT, "the board keeps every channel");
 
 static void probe_native_set(const struct device *dev, enum probe_channel channel, int64_t value)
 {
@@ -27,6 +27,6 @@ static const struct probe_driver_api probe_native_api = {
 
 #define PROBE_NATIVE_DEFINE(inst)                                                                  \
 	DEVICE_DT_INST_DEFINE(inst, probe_native_init, NULL, NULL, NULL, PRE_KERNEL_1, 40,         \
-			      &probe_native_api);
+	                      &probe_native_api);
 
 DT_INST_FOREACH_STATUS_OKAY(PROBE_NATIVE_DEFINE)

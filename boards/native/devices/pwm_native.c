@@ -13,7 +13,7 @@ struct pwm_native_config {
 };
 
 static int pwm_native_set_cycles(const struct device *dev, uint32_t channel, uint32_t period,
-				 uint32_t pulse, pwm_flags_t flags)
+                                 uint32_t pulse, pwm_flags_t flags)
 {
 	const struct pwm_native_config *config = dev->config;
 
@@ -27,12 +27,12 @@ static int pwm_native_set_cycles(const struct device *dev, uint32_t channel, uin
 		pulse = period - pulse;
 	}
 	return board_pwm_set((int64_t)clock_board_us(), channel, period, pulse, config->hz) == 0
-		       ? 0
-		       : -EINVAL;
+	               ? 0
+	               : -EINVAL;
 }
 
 static int pwm_native_get_cycles_per_sec(const struct device *dev, uint32_t channel,
-					 uint64_t *cycles)
+                                         uint64_t *cycles)
 {
 	const struct pwm_native_config *config = dev->config;
 
@@ -59,6 +59,6 @@ static const struct pwm_driver_api pwm_native_api = {
 		.hz = DT_INST_PROP(inst, clock_frequency),                                         \
 	};                                                                                         \
 	DEVICE_DT_INST_DEFINE(inst, pwm_native_init, NULL, NULL, &pwm_native_config_##inst,        \
-			      POST_KERNEL, 40, &pwm_native_api);
+	                      POST_KERNEL, 40, &pwm_native_api);
 
 DT_INST_FOREACH_STATUS_OKAY(PWM_NATIVE_DEFINE)

@@ -127,6 +127,6 @@ static const struct wdt_driver_api wdt_native_api = {
 #define WDT_NATIVE_DEFINE(inst)                                                                    \
 	static struct wdt_native_data wdt_native_data_##inst;                                      \
 	DEVICE_DT_INST_DEFINE(inst, wdt_native_init, NULL, &wdt_native_data_##inst, NULL,          \
-			      POST_KERNEL, 40, &wdt_native_api);
+	                      POST_KERNEL, 40, &wdt_native_api);
 
 DT_INST_FOREACH_STATUS_OKAY(WDT_NATIVE_DEFINE)

@@ -4,9 +4,10 @@
 #include <stddef.h>
 
 /*
- * A 30 W lamp, of which 30 % becomes light, in a housing that also holds electronics of 4 W. Steady at 100 %:
- * 65 degC in 25 degC ambient; 95 degC in 55 degC ambient (so it throttles). With the fan failed, the electronics
- * alone bring it to 50 K above ambient: 105 degC in 55 degC ambient (so it shuts down).
+ * A 30 W lamp, of which 30 % becomes light, in a housing that also holds electronics of 4 W. Steady
+ * at 100 %: 65 degC in 25 degC ambient; 95 degC in 55 degC ambient (so it throttles). With the fan
+ * failed, the electronics alone bring it to 50 K above ambient: 105 degC in 55 degC ambient (so it
+ * shuts down).
  */
 #define LAMP_FULL_MW  30000u
 #define LAMP_HEAT     0.7
@@ -28,14 +29,29 @@ static const struct ntc_input_params thermistor_params = {
 };
 
 static const char *const line_names[BOARD_LINE_COUNT] = {
-	[BOARD_LINE_LAMP_ENABLE] = "lamp-enable",
+	[BOARD_LINE_LAMP_ENABLE] = "lamp_enable",
 	[BOARD_LINE_SYNC] = "sync",
 	[BOARD_LINE_BUTTON] = "button",
-	[BOARD_LINE_DRIVER_FAULT] = "driver-fault",
+	[BOARD_LINE_DRIVER_FAULT] = "driver_fault",
 	[BOARD_LINE_AUX0] = "aux0",
 	[BOARD_LINE_AUX1] = "aux1",
 	[BOARD_LINE_AUX2] = "aux2",
 	[BOARD_LINE_AUX3] = "aux3",
+};
+
+/* In the order of <pharos/drivers/probe.h>. */
+static const char *const probe_names[BOARD_PROBE_COUNT] = {
+	"light_level_ppm",
+	"limit_ppm",
+	"gate",
+	"enable",
+	"mode",
+	"brightness_ppm",
+	"strobe_period_us",
+	"strobe_duty_ppm",
+	"thermal_state",
+	"measured_mdegc",
+	"command",
 };
 
 struct board board;
@@ -54,7 +70,7 @@ void board_init(double ambient_c, uint64_t seed)
 static void light_changed(int64_t now_us)
 {
 	thermal_mass_set_heat(&board.housing, now_us,
-			      ELECTRONICS_W + LAMP_HEAT * lamp_power_w(&board.lamp));
+	                      ELECTRONICS_W + LAMP_HEAT * lamp_power_w(&board.lamp));
 	if (board_listener.light != NULL) {
 		board_listener.light(now_us);
 	}
@@ -78,7 +94,7 @@ int board_pwm_set(int64_t now_us, uint32_t channel, uint32_t period, uint32_t pu
 }
 
 int board_adc_convert(int64_t now_us, uint32_t channel, unsigned int bits, uint16_t *codes,
-		      unsigned int count, unsigned int stride)
+                      unsigned int count, unsigned int stride)
 {
 	double ratio;
 
@@ -131,7 +147,7 @@ uint32_t board_lines_read(void)
 
 void board_probe(int64_t now_us, unsigned int channel, int64_t value)
 {
-	if (channel >= BOARD_PROBE_COUNT || board.probes[channel] == value) {
+	if (channel >= BOARD_PROBE_COUNT) {
 		return;
 	}
 	board.probes[channel] = value;
@@ -155,7 +171,9 @@ void board_mcu_reset(int64_t now_us)
 		light_changed(now_us);
 	}
 	for (unsigned int channel = 0; channel < BOARD_PROBE_COUNT; channel++) {
-		board_probe(now_us, channel, 0);
+		if (board.probes[channel] != 0) {
+			board_probe(now_us, channel, 0);
+		}
 	}
 }
 
@@ -171,8 +189,8 @@ void board_line_drive(int64_t now_us, uint32_t line, bool level)
 	const uint32_t bit = 1u << line;
 
 	board.lines.driven |= bit;
-	board.lines.driven_level = level ? board.lines.driven_level | bit
-					 : board.lines.driven_level & ~bit;
+	board.lines.driven_level =
+		level ? board.lines.driven_level | bit : board.lines.driven_level & ~bit;
 	lines_changed(now_us, before);
 }
 
@@ -187,4 +205,9 @@ void board_line_release(int64_t now_us, uint32_t line)
 const char *board_line_name(uint32_t line)
 {
 	return line < BOARD_LINE_COUNT ? line_names[line] : NULL;
+}
+
+const char *board_probe_name(unsigned int channel)
+{
+	return channel < BOARD_PROBE_COUNT ? probe_names[channel] : NULL;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The board around the MCU: which model is wired to which pin. The drivers in boards/native/devices use the first
- * part, as registers; the host (control socket, recorder) the second, as the world.
+ * The board around the MCU: which model is wired to which pin. The drivers in boards/native/devices
+ * use the first part, as registers; the host (control socket, recorder) the second, as the world.
  *
  * All times are board times in microseconds. No host and no Zephyr headers.
  */
@@ -41,7 +41,7 @@ enum board_line {
 	BOARD_LINE_COUNT,
 };
 
-enum { BOARD_PROBE_COUNT = 16 };
+#define BOARD_PROBE_COUNT 16
 
 struct board_pwm {
 	uint32_t period_ns;
@@ -81,12 +81,13 @@ int board_pwm_set(int64_t now_us, uint32_t channel, uint32_t period, uint32_t pu
 
 /* count conversions of a channel, all at the same instant. 0, or -1: no such channel. */
 int board_adc_convert(int64_t now_us, uint32_t channel, unsigned int bits, uint16_t *codes,
-		      unsigned int count, unsigned int stride);
+                      unsigned int count, unsigned int stride);
 
 /* Directions, levels and pulls at once. */
 void board_lines_configure(int64_t now_us, uint32_t output, uint32_t level, uint32_t pull_up);
 uint32_t board_lines_read(void);
 
+/* Listeners are told even when the value is the same: it may be an event. */
 void board_probe(int64_t now_us, unsigned int channel, int64_t value);
 
 /* --- as the world --- */
@@ -105,7 +106,10 @@ void board_line_drive(int64_t now_us, uint32_t line, bool level);
 /* Lets go of it. */
 void board_line_release(int64_t now_us, uint32_t line);
 
-/* "lamp-enable", "sync", "button", …; NULL: no such line. */
+/* "lamp_enable", "sync", "button", …; NULL: no such line. */
 const char *board_line_name(uint32_t line);
+
+/* "limit_ppm", "gate", …: the name of a probe channel; NULL: no such channel. */
+const char *board_probe_name(unsigned int channel);
 
 #endif

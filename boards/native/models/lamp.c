@@ -42,8 +42,6 @@ static bool update(struct lamp *self, int64_t now_us)
 	self->log[self->changes % LAMP_LOG_SIZE] = (struct lamp_change){
 		.time_us = now_us,
 		.level_ppm = level_ppm,
-		.edge = edge,
-		.edges = self->edges,
 	};
 	self->changes++;
 	self->edges += edge ? 1 : 0;
@@ -98,27 +96,4 @@ const struct lamp_change *lamp_change_at(const struct lamp *self, uint64_t n)
 		return NULL;
 	}
 	return &self->log[n % LAMP_LOG_SIZE];
-}
-
-uint64_t lamp_find_edge(const struct lamp *self, uint64_t n)
-{
-	uint64_t low = lamp_oldest_change(self);
-	uint64_t high = self->changes;
-
-	/* the first change after which more than n edges have been */
-	while (low < high) {
-		const uint64_t middle = low + (high - low) / 2;
-		const struct lamp_change *change = &self->log[middle % LAMP_LOG_SIZE];
-
-		if (change->edges + (change->edge ? 1 : 0) > n) {
-			high = middle;
-		} else {
-			low = middle + 1;
-		}
-	}
-	/* edges that are no longer kept: go on to the next one that is */
-	while (low < self->changes && !self->log[low % LAMP_LOG_SIZE].edge) {
-		low++;
-	}
-	return low;
 }

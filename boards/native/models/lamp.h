@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The lamp and its driver: light and power are linear in the duty cycle, and 0 while the driver is not enabled.
- * Keeps what it did: energy, light, and each change of its level with its time. Plain data. Times in
- * microseconds, never going back; levels and duty in ppm.
+ * The lamp and its driver: light and power are linear in the duty cycle, and 0 while the driver
+ * is not enabled. Keeps what it did: energy, light, and each change of its level with its time.
+ * Plain data. Times in microseconds, never going back; levels and duty in ppm.
  *
- * An edge is a change between dark and lit. Edges and changes are numbered from 0 since power-on; the last
- * LAMP_LOG_SIZE changes are kept.
+ * Changes are numbered from 0 since power-on; the last LAMP_LOG_SIZE are kept. A change between
+ * dark and lit is also counted as an edge.
  */
 #ifndef NATIVE_MODELS_LAMP_H_
 #define NATIVE_MODELS_LAMP_H_
@@ -13,13 +13,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { LAMP_LOG_SIZE = 16384 };
+#define LAMP_LOG_SIZE 16384u
 
 struct lamp_change {
 	int64_t time_us;
 	uint32_t level_ppm; /* from then on */
-	bool edge;
-	uint64_t edges; /* number of edges before this change */
 };
 
 struct lamp {
@@ -59,9 +57,5 @@ const struct lamp_change *lamp_change_at(const struct lamp *self, uint64_t n);
 
 /* The oldest change that is kept; equal to changes when there is none. */
 uint64_t lamp_oldest_change(const struct lamp *self);
-
-/* The number of the change that was edge number n; changes when it is not there. The oldest kept one is found
- * for an edge that is no longer kept. */
-uint64_t lamp_find_edge(const struct lamp *self, uint64_t n);
 
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * GPIO lines between the device and the world outside: bit n is line n. The device drives its outputs; outside
- * drives some of the others; what nobody drives follows its pull resistor, else it is low. Plain data.
+ * GPIO lines between the device and the world outside: bit n is line n. The device drives its
+ * outputs; outside drives some of the others; what nobody drives follows its pull resistor, else it
+ * is low. Plain data.
  */
 #ifndef NATIVE_MODELS_LINES_H_
 #define NATIVE_MODELS_LINES_H_

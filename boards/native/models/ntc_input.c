@@ -48,13 +48,14 @@ uint16_t ntc_input_convert(struct ntc_input *self, double ratio, unsigned int bi
 {
 	const double full = (double)((1u << bits) - 1u);
 	const double noise_lsb = self->fault == NTC_FAULT_NOISY ? self->params.noisy_noise_lsb
-								: self->params.noise_lsb;
+	                                                        : self->params.noise_lsb;
 	double code;
 
 	if (self->fault == NTC_FAULT_STUCK && self->stuck_code >= 0) {
 		return (uint16_t)self->stuck_code;
 	}
-	code = floor(ratio * full + noise_next(&self->noise) * noise_lsb * (full / NOISE_FULL) + 0.5);
+	code = floor(ratio * full + noise_next(&self->noise) * noise_lsb * (full / NOISE_FULL) +
+	             0.5);
 	code = fmin(fmax(code, 0.0), full);
 	if (self->fault == NTC_FAULT_STUCK) {
 		self->stuck_code = (int32_t)code;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A thermistor with its pull-up on an ADC input, and the converter's noise: R(T) = r25 exp(beta (1/T - 1/298.15 K)),
- * code = full R / (R + pull-up). Plain data.
+ * A thermistor with its pull-up on an ADC input, and the converter's noise: R(T) = r25 exp(beta
+ * (1/T - 1/298.15 K)), code = full R / (R + pull-up). Plain data.
  */
 #ifndef NATIVE_MODELS_NTC_INPUT_H_
 #define NATIVE_MODELS_NTC_INPUT_H_
@@ -38,7 +38,8 @@ void ntc_input_init(struct ntc_input *self, const struct ntc_input_params *param
 
 void ntc_input_set_fault(struct ntc_input *self, enum ntc_fault fault);
 
-/* The voltage as a part of the reference, 0…1, for a thermistor at that temperature; faults included. */
+/* The voltage as a part of the reference, 0…1, for a thermistor at that temperature; faults
+ * included. */
 double ntc_input_ratio(const struct ntc_input *self, double temp_c);
 
 /* One conversion of that voltage, to `bits` bits (1…16). */

@@ -4,7 +4,7 @@
 #include <math.h>
 
 void thermal_mass_init(struct thermal_mass *self, const struct thermal_mass_params *params,
-		       double ambient_c)
+                       double ambient_c)
 {
 	*self = (struct thermal_mass){
 		.params = *params,
@@ -21,8 +21,9 @@ double thermal_mass_advance(struct thermal_mass *self, int64_t now_us)
 	const double step_s = (double)(now_us - self->time_us) * 1e-6;
 
 	if (now_us > self->time_us) {
-		self->temp_c = end_c + (self->temp_c - end_c) *
-					       exp(-step_s / (resistance * self->params.capacity_j_per_k));
+		self->temp_c =
+			end_c + (self->temp_c - end_c) *
+					exp(-step_s / (resistance * self->params.capacity_j_per_k));
 		self->time_us = now_us;
 	}
 	return self->temp_c;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The lamp's housing: one heat capacity, cooled to ambient through a thermal resistance that depends on the fan.
- * Solved exactly between changes: T(t) = T_end + (T - T_end) exp(-t / RC), so that the step's size does not
- * matter. Plain data. Times in microseconds, never going back.
+ * The lamp's housing: one heat capacity, cooled to ambient through a thermal resistance that
+ * depends on the fan. Solved exactly between changes: T(t) = T_end + (T - T_end) exp(-t / RC), so
+ * that the step's size does not matter. Plain data. Times in microseconds, never going back.
  */
 #ifndef NATIVE_MODELS_THERMAL_MASS_H_
 #define NATIVE_MODELS_THERMAL_MASS_H_
@@ -26,7 +26,7 @@ struct thermal_mass {
 };
 
 void thermal_mass_init(struct thermal_mass *self, const struct thermal_mass_params *params,
-		       double ambient_c);
+                       double ambient_c);
 
 /* Moves on to now_us with what was set before; returns the temperature. */
 double thermal_mass_advance(struct thermal_mass *self, int64_t now_us);

@@ -4,12 +4,12 @@
  *
  *     gate ? min(level, limit) : 0
  *
- * computed in one place of the driver, whoever changed what. After a reset level and limit are 0 and the gate
- * is closed: dark until level, limit and gate have all been set.
+ * computed in one place of the driver, whoever changed what. After a reset level and limit are 0
+ * and the gate is closed: dark until level, limit and gate have all been set.
  *
  * All ratios in ppm: 0…1 000 000. Every function: any context, including interrupts; never blocks.
- * 0 or -errno: -EINVAL: out of range, nothing changed; -EIO or what the PWM or GPIO driver gave: the wish is
- * kept and tried again with the next call, and the lamp is as dark as could be made.
+ * 0 or -errno: -EINVAL: out of range, nothing changed; -EIO or what the PWM or GPIO driver gave:
+ * the wish is kept and tried again with the next call, and the lamp is as dark as could be made.
  */
 #ifndef PHAROS_DRIVERS_LIGHT_H_
 #define PHAROS_DRIVERS_LIGHT_H_
@@ -60,7 +60,8 @@ static inline void light_get(const struct device *dev, struct light_state *state
 	((const struct light_driver_api *)dev->api)->get(dev, state);
 }
 
-/* For fault handlers and before a reset: dark at once, and nothing lights the lamp until the next reset. */
+/* For fault handlers and before a reset: dark at once, and nothing lights the lamp until the next
+ * reset. */
 static inline int light_off_now(const struct device *dev)
 {
 	return ((const struct light_driver_api *)dev->api)->off_now(dev);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Shows internal values to a simulated board, for its recording (--record) and its control socket. It exists
- * where the devicetree has a "pharos,probe" node (alias probe0); elsewhere the device is NULL
- * (DEVICE_DT_GET_OR_NULL) and nothing happens. Nothing can be read back: behaviour never depends on it.
+ * Shows internal values to a simulated board, for its recording (--record) and its control socket.
+ * It exists where the devicetree has a "pharos,probe" node (alias probe0); elsewhere the device is
+ * NULL (DEVICE_DT_GET_OR_NULL) and nothing happens. Nothing can be read back: behaviour never
+ * depends on it.
  */
 #ifndef PHAROS_DRIVERS_PROBE_H_
 #define PHAROS_DRIVERS_PROBE_H_
@@ -23,7 +24,8 @@ enum probe_channel {
 	PROBE_STROBE_PERIOD_US,
 	PROBE_STROBE_DUTY_PPM,
 	PROBE_THERMAL_STATE,
-	PROBE_TEMPERATURE_MDEGC,
+	PROBE_TEMPERATURE_MDEGC, /* as measured */
+	PROBE_COMMAND, /* a protocol's command number, each time that one is carried out */
 	PROBE_COUNT,
 };
 

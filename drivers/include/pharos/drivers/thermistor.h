@@ -2,8 +2,8 @@
 /*
  * A temperature sensor: an NTC thermistor on an ADC input, oversampled.
  *
- * thermistor_sample(): thread context; takes a number of conversions. 0: *sample is set, whatever its status.
- * -errno of the ADC: *sample unchanged.
+ * thermistor_sample(): thread context; takes a number of conversions. 0: *sample is set, whatever
+ * its status. -errno of the ADC: *sample unchanged.
  */
 #ifndef PHAROS_DRIVERS_THERMISTOR_H_
 #define PHAROS_DRIVERS_THERMISTOR_H_
@@ -14,7 +14,8 @@
 
 enum thermistor_status {
 	THERMISTOR_OK,
-	THERMISTOR_OPEN,  /* within 1 % of the upper rail: broken wire, or colder than about -60 degC */
+	THERMISTOR_OPEN, /* within 1 % of the upper rail: broken wire, or colder than about -60 degC
+	                  */
 	THERMISTOR_SHORT, /* within 1 % of the lower rail: short, or hotter than about 220 degC */
 };
 
@@ -22,8 +23,8 @@ struct thermistor_sample {
 	enum thermistor_status status;
 	int32_t temp_mdegc; /* status OK: to 0.5 degC from -40 to +125 degC; else 0 */
 	/*
-	 * The sum of the conversions, 0…raw_max. Real converters have noise, so that a sum that stays the same
-	 * for long is a sign of a stuck sensor.
+	 * The sum of the conversions, 0…raw_max. Real converters have noise, so that a sum that
+	 * stays the same for long is a sign of a stuck sensor.
 	 */
 	uint32_t raw;
 	uint32_t raw_max;

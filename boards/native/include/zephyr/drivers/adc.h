@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Analogue inputs, by Zephyr's names. adc_read() takes one sample of each channel in the sequence's mask, and
- * as many more rounds as its options ask for, into a buffer of 16-bit codes. Thread context; 0 or -errno
- * (-EINVAL: no such channel or resolution; -ENOMEM: buffer too small; -ENOTSUP: an option it lacks).
+ * Analogue inputs, by Zephyr's names. adc_read() takes one sample of each channel in the sequence's
+ * mask, and as many more rounds as its options ask for, into a buffer of 16-bit codes. Thread
+ * context; 0 or -errno
+ * (-EINVAL: no such channel or resolution; -ENOMEM: buffer too small; -ENOTSUP: an option it
+ * lacks).
  */
 #ifndef ZEPHYR_DRIVERS_ADC_H_
 #define ZEPHYR_DRIVERS_ADC_H_
@@ -68,7 +70,7 @@ struct adc_driver_api {
 /* The controller's child node with the channel's number as its unit address gives the settings. */
 #define NATIVE_ADC_CHANNEL_NODE(node_id, idx)                                                      \
 	NATIVE_DT_CAT3(DT_IO_CHANNELS_CTLR_BY_IDX(node_id, idx), _CHILD_AT_,                       \
-		       DT_IO_CHANNELS_INPUT_BY_IDX(node_id, idx))
+	               DT_IO_CHANNELS_INPUT_BY_IDX(node_id, idx))
 #define NATIVE_ADC_CHANNEL_FIELDS(channel)                                                         \
 	.channel_cfg_dt_node_exists = true,                                                        \
 	.channel_cfg =                                                                             \
@@ -77,7 +79,7 @@ struct adc_driver_api {
 			.reference = DT_STRING_TOKEN(channel, zephyr_reference),                   \
 			.acquisition_time = DT_PROP(channel, zephyr_acquisition_time),             \
 			.channel_id = DT_REG_ADDR(channel),                                        \
-		},                                                                                 \
+	},                                                                                         \
 	.resolution = DT_PROP(channel, zephyr_resolution)
 #define ADC_DT_SPEC_GET_BY_IDX(node_id, idx)                                                       \
 	{                                                                                          \
@@ -102,7 +104,7 @@ static inline int adc_read(const struct device *dev, const struct adc_sequence *
 static inline int adc_channel_setup_dt(const struct adc_dt_spec *spec)
 {
 	return spec->channel_cfg_dt_node_exists ? adc_channel_setup(spec->dev, &spec->channel_cfg)
-						: -ENOTSUP;
+	                                        : -ENOTSUP;
 }
 
 /* Sets the sequence's channels, resolution and oversampling from the devicetree. */

@@ -2,12 +2,14 @@
 /*
  * GPIO lines, by Zephyr's names and values.
  *
- * gpio_pin_get/set/toggle() are logical (1 = active), the …_raw forms physical. Calls: any context; 0 (or the
- * level) or -errno (-EINVAL: no such line, contradicting flags; -ENOTSUP: a flag that the controller lacks).
+ * gpio_pin_get/set/toggle() are logical (1 = active), the …_raw forms physical. Calls: any context;
+ * 0 (or the level) or -errno (-EINVAL: no such line, contradicting flags; -ENOTSUP: a flag that the
+ * controller lacks).
  *
- * Interrupts: callbacks run in interrupt context, with the lines of this interrupt as a mask. Edges that come
- * while interrupts are locked are reported once. A level interrupt is reported when the line enters the level,
- * and when it is at the level as the interrupt is configured; the native board does not repeat it.
+ * Interrupts: callbacks run in interrupt context, with the lines of this interrupt as a mask. Edges
+ * that come while interrupts are locked are reported once. A level interrupt is reported when the
+ * line enters the level, and when it is at the level as the interrupt is configured; the native
+ * board does not repeat it.
  */
 #ifndef ZEPHYR_DRIVERS_GPIO_H_
 #define ZEPHYR_DRIVERS_GPIO_H_
@@ -19,11 +21,11 @@
 #include <zephyr/device.h>
 #include <zephyr/dt-bindings/gpio/gpio.h>
 
-#define GPIO_INPUT            (1u << 16)
-#define GPIO_OUTPUT           (1u << 17)
-#define GPIO_DISCONNECTED     0u
-#define GPIO_OUTPUT_INIT_LOW  (1u << 18)
-#define GPIO_OUTPUT_INIT_HIGH (1u << 19)
+#define GPIO_INPUT               (1u << 16)
+#define GPIO_OUTPUT              (1u << 17)
+#define GPIO_DISCONNECTED        0u
+#define GPIO_OUTPUT_INIT_LOW     (1u << 18)
+#define GPIO_OUTPUT_INIT_HIGH    (1u << 19)
 /* the initial level is meant logically */
 #define GPIO_OUTPUT_INIT_LOGICAL (1u << 20)
 
@@ -60,7 +62,7 @@ typedef uint32_t gpio_port_value_t;
 struct gpio_callback;
 
 typedef void (*gpio_callback_handler_t)(const struct device *port, struct gpio_callback *cb,
-					gpio_port_pins_t pins);
+                                        gpio_port_pins_t pins);
 
 /* Belongs to the caller and must live as long as it is added. */
 struct gpio_callback {
@@ -79,9 +81,9 @@ struct gpio_driver_api {
 	int (*pin_configure)(const struct device *port, gpio_pin_t pin, gpio_flags_t flags);
 	int (*port_get_raw)(const struct device *port, gpio_port_value_t *value);
 	int (*port_set_masked_raw)(const struct device *port, gpio_port_pins_t mask,
-				   gpio_port_value_t value);
+	                           gpio_port_value_t value);
 	int (*pin_interrupt_configure)(const struct device *port, gpio_pin_t pin,
-				       gpio_flags_t flags);
+	                               gpio_flags_t flags);
 	int (*manage_callback)(const struct device *port, struct gpio_callback *cb, bool set);
 };
 
@@ -99,7 +101,7 @@ struct gpio_driver_data {
 #define GPIO_DT_SPEC_GET(node_id, prop) GPIO_DT_SPEC_GET_BY_IDX(node_id, prop, 0)
 #define GPIO_DT_SPEC_GET_OR(node_id, prop, default_value)                                          \
 	NATIVE_DT_IF(NATIVE_DT_CAT4(node_id, _P_, prop, _EXISTS),                                  \
-		     (GPIO_DT_SPEC_GET(node_id, prop)), (default_value))
+	             (GPIO_DT_SPEC_GET(node_id, prop)), (default_value))
 #define GPIO_DT_SPEC_INST_GET(inst, prop) GPIO_DT_SPEC_GET(DT_DRV_INST(inst), prop)
 #define GPIO_DT_SPEC_INST_GET_OR(inst, prop, default_value)                                        \
 	GPIO_DT_SPEC_GET_OR(DT_DRV_INST(inst), prop, default_value)
@@ -118,7 +120,7 @@ static inline int gpio_pin_configure_dt(const struct gpio_dt_spec *spec, gpio_fl
 }
 
 static inline int gpio_pin_interrupt_configure_dt(const struct gpio_dt_spec *spec,
-						  gpio_flags_t flags)
+                                                  gpio_flags_t flags)
 {
 	return gpio_pin_interrupt_configure(spec->port, spec->pin, flags);
 }
@@ -139,7 +141,7 @@ static inline int gpio_pin_toggle_dt(const struct gpio_dt_spec *spec)
 }
 
 static inline void gpio_init_callback(struct gpio_callback *cb, gpio_callback_handler_t handler,
-				      gpio_port_pins_t pin_mask)
+                                      gpio_port_pins_t pin_mask)
 {
 	cb->handler = handler;
 	cb->pin_mask = pin_mask;

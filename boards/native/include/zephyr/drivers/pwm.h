@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * PWM outputs, by Zephyr's names. Periods and pulses are in nanoseconds, or in cycles of the controller's
- * clock. All calls: any context; 0 or -errno (-EINVAL: no such channel, pulse > period; -ENOTSUP: flags or a
- * time that the clock cannot count).
+ * PWM outputs, by Zephyr's names. Periods and pulses are in nanoseconds, or in cycles of the
+ * controller's clock. All calls: any context; 0 or -errno (-EINVAL: no such channel, pulse >
+ * period; -ENOTSUP: flags or a time that the clock cannot count).
  */
 #ifndef ZEPHYR_DRIVERS_PWM_H_
 #define ZEPHYR_DRIVERS_PWM_H_
@@ -17,7 +17,7 @@ typedef uint16_t pwm_flags_t;
 
 struct pwm_driver_api {
 	int (*set_cycles)(const struct device *dev, uint32_t channel, uint32_t period_cycles,
-			  uint32_t pulse_cycles, pwm_flags_t flags);
+	                  uint32_t pulse_cycles, pwm_flags_t flags);
 	int (*get_cycles_per_sec)(const struct device *dev, uint32_t channel, uint64_t *cycles);
 };
 
@@ -39,9 +39,10 @@ struct pwm_dt_spec {
 #define PWM_DT_SPEC_INST_GET_BY_IDX(inst, idx) PWM_DT_SPEC_GET_BY_IDX(DT_DRV_INST(inst), idx)
 #define PWM_DT_SPEC_INST_GET(inst)             PWM_DT_SPEC_GET_BY_IDX(DT_DRV_INST(inst), 0)
 
-/* A period of 0 is -EINVAL; a pulse of 0 is constantly inactive, a pulse of the period constantly active. */
+/* A period of 0 is -EINVAL; a pulse of 0 is constantly inactive, a pulse of the period constantly
+ * active. */
 static inline int pwm_set_cycles(const struct device *dev, uint32_t channel, uint32_t period,
-				 uint32_t pulse, pwm_flags_t flags)
+                                 uint32_t pulse, pwm_flags_t flags)
 {
 	const struct pwm_driver_api *api = dev->api;
 
@@ -52,7 +53,7 @@ static inline int pwm_set_cycles(const struct device *dev, uint32_t channel, uin
 }
 
 static inline int pwm_get_cycles_per_sec(const struct device *dev, uint32_t channel,
-					 uint64_t *cycles)
+                                         uint64_t *cycles)
 {
 	const struct pwm_driver_api *api = dev->api;
 
@@ -60,7 +61,7 @@ static inline int pwm_get_cycles_per_sec(const struct device *dev, uint32_t chan
 }
 
 static inline int pwm_set(const struct device *dev, uint32_t channel, uint32_t period,
-			  uint32_t pulse, pwm_flags_t flags)
+                          uint32_t pulse, pwm_flags_t flags)
 {
 	uint64_t hz;
 	const int rc = pwm_get_cycles_per_sec(dev, channel, &hz);

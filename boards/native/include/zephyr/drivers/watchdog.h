@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Watchdog, by Zephyr's names: install time-outs, set up, then feed each channel before its window's max.
- * A bite resets the board, the lamp dark first (the callback runs before, in interrupt context). Any context.
- * 0 (install: the channel) or -errno (-EBUSY: set up already; -EINVAL: bad window or channel; -ENOMEM: no
- * channel left; -ENOTSUP: a window's min, a flag or an option that the controller lacks;
- * -EFAULT: disabling one that isn't set up).
+ * Watchdog, by Zephyr's names: install time-outs, set up, then feed each channel before its
+ * window's max. A bite resets the board, the lamp dark first (the callback runs before, in
+ * interrupt context). Any context. 0 (install: the channel) or -errno (-EBUSY: set up already;
+ * -EINVAL: bad window or channel; -ENOMEM: no channel left; -ENOTSUP: a window's min, a flag or an
+ * option that the controller lacks; -EFAULT: disabling one that isn't set up).
  */
 #ifndef ZEPHYR_DRIVERS_WATCHDOG_H_
 #define ZEPHYR_DRIVERS_WATCHDOG_H_

@@ -6,7 +6,7 @@
 #define ADC_ACQ_TIME_MICROSECONDS 1
 #define ADC_ACQ_TIME_NANOSECONDS  2
 #define ADC_ACQ_TIME_TICKS        3
-#define ADC_ACQ_TIME(unit, value) (((unit) << 14) | ((value) & 0x3FFF))
+#define ADC_ACQ_TIME(unit, value) (((unit) << 14) | ((value)&0x3FFF))
 #define ADC_ACQ_TIME_DEFAULT      0
 
 #endif
