@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Everything this package raises on purpose is a PharosError; its text is one clear line first."""
+
+from __future__ import annotations
+
+
+class PharosError(Exception):
+    """Root of the package's errors."""
+
+
+class UrlError(PharosError):
+    """A link's URL is malformed or names something that does not exist."""
+
+
+class LinkError(PharosError):
+    """A link failed, or did not carry the bytes that were due."""
+
+
+class SilentError(PharosError):
+    """The device did not say what was waited for, within the time given."""
+
+
+class DialectError(PharosError):
+    """The generated MAVLink dialect cannot be found or lacks a message."""
+
+
+class SimulatorError(PharosError):
+    """The native light could not be started, or ended unasked. Carries how to replay it."""
+
+
+class RefusedError(SimulatorError):
+    """The control socket refused a request; `reason` is its one line."""
+
+    def __init__(self, reason: str, where: str = "") -> None:
+        super().__init__(f"{reason}{where}")
+        self.reason = reason

@@ -1,0 +1,315 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs the native light under virtual time and drives it in lock-step.
+
+The light's time stands still until advance(). An advance first names how many bytes were sent to
+each wire, so the light waits for exactly these; its reply names how many it sent back, so this side
+reads exactly those. Nothing depends on how fast the host is.
+"""
+
+from __future__ import annotations
+
+import shlex
+import subprocess
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from .connection import MavlinkConnection, Source, Target
+from .control import ControlClient
+from .dialect import find_dialect, load_dialect
+from .errors import RefusedError, SimulatorError
+from .link import Link, TcpLink, TerminalLink, UdpLink, parse_address
+
+START_TIMEOUT_S = 20.0
+# Bounds of one advance while links are attached, so that what the light sends always fits in the
+# host's buffers: a pty's is the smallest, 4 KiB.
+CHUNK_MIN_US = 100_000
+CHUNK_MAX_US = 60_000_000
+CHUNK_START_US = 1_000_000
+CHUNK_BYTES = 1024
+
+
+@dataclass(frozen=True)
+class Wire:
+    """One wire as the light sees it: where it is, and its totals since the process started."""
+
+    name: str
+    address: str
+    rx_bytes: int
+    tx_bytes: int
+
+
+@dataclass(frozen=True)
+class Edge:
+    """One change of the lamp's output: when, and to which level (parts per million of full)."""
+
+    time_us: int
+    level_ppm: int
+
+
+@dataclass
+class _Attached:
+    link: Link
+    rx_before: int
+    tx_before: int
+
+
+class Simulator:
+    """The native light as a subprocess. A context manager; leaving it ends the process.
+
+    wires: {"uart0": "udpin:127.0.0.1:0", …}; options: further command line arguments.
+    Any failure of the light is a SimulatorError that says how to replay it.
+    """
+
+    def __init__(
+        self,
+        binary: str | Path,
+        wires: Mapping[str, str] | None = None,
+        *,
+        seed: int = 1,
+        options: Sequence[str] = (),
+        dialect: Any = None,
+    ) -> None:
+        self.binary = Path(binary)
+        self.seed = seed
+        self._folder = tempfile.TemporaryDirectory(prefix="pharos-")
+        self.folder = Path(self._folder.name)
+        self.dialect = dialect
+        self.command = [
+            str(self.binary),
+            *("--time", "virtual", "--seed", str(seed)),
+            *("--control", str(self.folder / "control")),
+        ]
+        for name, wire in (wires or {}).items():
+            self.command += [f"--{name}", wire.replace("{folder}", str(self.folder))]
+        self.command += options
+        self._attached: dict[str, _Attached] = {}
+        self._chunk_us = CHUNK_START_US
+        self._now_us = 0
+        self._process: subprocess.Popen[bytes] | None = None
+        self._control: ControlClient | None = None
+
+    # --- the process --------------------------------------------------------------------------
+    def start(self) -> Simulator:
+        console = (self.folder / "console").open("wb")
+        with console:
+            try:
+                self._process = subprocess.Popen(
+                    self.command,
+                    stdin=subprocess.DEVNULL,
+                    stdout=console,
+                    stderr=subprocess.STDOUT,
+                    cwd=self.folder,
+                )
+            except OSError as error:
+                raise SimulatorError(f"{self.binary}: {error.strerror}: `make build`?") from error
+        try:
+            self._control = self._connect()
+        except BaseException:
+            self.stop()
+            raise
+        return self
+
+    def _connect(self) -> ControlClient:
+        path = str(self.folder / "control")
+        assert self._process is not None
+        for _ in range(int(START_TIMEOUT_S / 0.005)):
+            try:
+                return ControlClient(path)
+            except OSError:
+                pass
+            try:
+                status = self._process.wait(timeout=0.005)
+            except subprocess.TimeoutExpired:
+                continue
+            raise SimulatorError(f"the light ended with {status} at start{self.replay()}")
+        raise SimulatorError(f"the light opened no control socket{self.replay()}")
+
+    def stop(self) -> None:
+        """Ends the process and closes every link."""
+        for attached in self._attached.values():
+            attached.link.close()
+        self._attached.clear()
+        if self._control is not None:
+            self._control.close()
+        if self._process is not None and self._process.poll() is None:
+            self._process.kill()
+            self._process.wait()
+
+    def quit(self, timeout_s: float = 10.0) -> int:
+        """Asks the light to end; its exit status."""
+        assert self._process is not None
+        self.request("quit")
+        try:
+            return self._process.wait(timeout=timeout_s)
+        except subprocess.TimeoutExpired as error:
+            raise SimulatorError(f"the light did not quit{self.replay()}") from error
+
+    def __enter__(self) -> Simulator:
+        return self.start()
+
+    def __exit__(self, *_exc: object) -> None:
+        self.stop()
+        self._folder.cleanup()
+
+    @property
+    def pid(self) -> int:
+        assert self._process is not None
+        return self._process.pid
+
+    def console(self) -> str:
+        """What the light printed so far."""
+        path = self.folder / "console"
+        return path.read_text(errors="replace") if path.exists() else ""
+
+    def replay(self) -> str:
+        """How to get here again: the command line (with the seed) and the last control requests."""
+        journal = self._control.journal if self._control else []
+        lines = [f"\nreplay (seed {self.seed}): {shlex.join(self.command)}"]
+        lines += [f"  {line}" for line in journal[-20:]]
+        tail = self.console().splitlines()[-20:]
+        return "\n".join(lines + (["console:"] + [f"  {line}" for line in tail] if tail else []))
+
+    # --- control ------------------------------------------------------------------------------
+    def request(self, op: str, **fields: Any) -> dict[str, Any]:
+        """One control request; the reply. RefusedError if the light refuses it."""
+        if self._control is None:
+            raise SimulatorError("the light was not started")
+        try:
+            return self._control.request(op, **fields)
+        except RefusedError:
+            raise
+        except SimulatorError as error:
+            raise SimulatorError(f"{error}{self.replay()}") from error
+
+    def now_us(self) -> int:
+        """Board time at the end of the last advance: it goes on over resets."""
+        return self._now_us
+
+    def advance(self, us: int = 0, *, s: float = 0.0) -> int:
+        """Lets `us` (or `s` seconds) pass; all that the light sent lies in the links' inboxes.
+        Returns board time. Advancing by 0 lets the light deal with what was sent to it."""
+        left = us + round(s * 1e6)
+        if not self._attached:
+            self._advance_once(left)
+            return self._now_us
+        while True:
+            step = min(left, self._chunk_us)
+            self._advance_once(step)
+            left -= step
+            if left <= 0:
+                return self._now_us
+
+    def pump(self, us: int) -> None:
+        """Pacer: lets exactly `us` pass."""
+        self.advance(us)
+
+    def _advance_once(self, us: int) -> None:
+        due = {
+            name: attached.rx_before + attached.link.sent
+            for name, attached in self._attached.items()
+            if attached.link.sent
+        }
+        reply = self.request("advance", us=us, **({"await": due} if due else {}))
+        self._now_us = int(reply["now_us"])
+        most = 0
+        for wire in self._parse_wires(reply):
+            attached = self._attached.get(wire.name)
+            if attached is None:
+                continue
+            count = wire.tx_bytes - attached.tx_before - attached.link.received
+            most = max(most, count)
+            try:
+                attached.link.fetch(count)
+            except Exception as error:
+                raise SimulatorError(f"{wire.name}: {error}{self.replay()}") from error
+        self._pace(us, most)
+
+    def _pace(self, us: int, count: int) -> None:
+        """Chooses the next chunk so that about CHUNK_BYTES come in it."""
+        if count > CHUNK_BYTES:
+            self._chunk_us = max(CHUNK_MIN_US, self._chunk_us // 2)
+        elif us >= self._chunk_us and count < CHUNK_BYTES // 2:
+            self._chunk_us = min(CHUNK_MAX_US, self._chunk_us * 2)
+
+    @staticmethod
+    def _parse_wires(reply: Mapping[str, Any]) -> list[Wire]:
+        return [
+            Wire(name, str(w.get("address", "")), int(w["rx_bytes"]), int(w["tx_bytes"]))
+            for name, w in reply["wires"].items()
+        ]
+
+    def wires(self) -> dict[str, Wire]:
+        """Every wire by its name, with its actual address (a port 0 resolved)."""
+        return {wire.name: wire for wire in self._parse_wires(self.request("wires"))}
+
+    def outputs(self) -> dict[str, Any]:
+        """What the board puts out now: level, limit, gate, energy, temperature …"""
+        return self.request("outputs")
+
+    def edges(self) -> list[Edge]:
+        """Changes of the lamp's output since the last call, oldest first."""
+        edges: list[Edge] = []
+        while True:
+            reply = self.request("edges")
+            edges += [Edge(int(t), int(level)) for t, level in reply["edges"]]
+            if not reply.get("more"):
+                return edges
+
+    def set(self, **values: Any) -> dict[str, Any]:
+        """Sets the surroundings: ambient temperature, fan …"""
+        return self.request("set", **values)
+
+    def set_ambient(self, degrees_c: float) -> None:
+        self.set(ambient_mdegc=round(degrees_c * 1000))
+
+    def set_fan(self, working: bool) -> None:
+        self.set(fan=working)
+
+    def fault(self, device: str, kind: str, **fields: Any) -> dict[str, Any]:
+        """Injects a fault, for example ("thermistor", "open"), ("uart0", "lost", rate_ppm=1000)."""
+        return self.request("fault", device=device, kind=kind, **fields)
+
+    def gpio(self, line: str, value: bool) -> None:
+        """Drives an input line of the board."""
+        self.request("gpio", line=line, value=int(value))
+
+    def reset(self) -> None:
+        """Pulls the board's reset line."""
+        self.request("reset")
+
+    # --- links --------------------------------------------------------------------------------
+    def attach(self, name: str, link: Link) -> Link:
+        """Reads `link` in lock-step with the wire `name` from now on. The simulator closes it."""
+        wire = self.wires()[name]
+        self._attached[name] = _Attached(link, wire.rx_bytes, wire.tx_bytes)
+        return link
+
+    def detach(self, name: str) -> None:
+        """Closes the link attached to the wire `name`."""
+        self._attached.pop(name).link.close()
+
+    def open(self, name: str) -> Link:
+        """The other end of the wire `name`, attached."""
+        wire = self.wires()[name]
+        kind, _, rest = wire.address.partition(":")
+        link: Link
+        if kind == "udpin":
+            link = UdpLink(peer=parse_address(rest, wire.address))
+        elif kind == "tcpin":
+            link = TcpLink(parse_address(rest, wire.address))
+        elif kind == "pty":
+            link = TerminalLink(rest)
+        else:
+            raise SimulatorError(f"{name} is {wire.address}: it has no end to open here")
+        return self.attach(name, link)
+
+    def connect(
+        self, name: str = "uart0", source: Source | None = None, target: Target | None = None
+    ) -> MavlinkConnection:
+        """A MAVLink client at the other end of the wire `name`."""
+        if self.dialect is None:
+            self.dialect = load_dialect(find_dialect(self.binary.parent))
+        return MavlinkConnection(self.open(name), self, self.dialect, source, target)

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Fixtures. `light` runs a test over every transport; `udp_light` where the transport is beside
+the point. A failing test prints how to replay each light it started."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Generator, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "host" / "src"))
+
+import harness
+from harness import WIRES, Light, light_on, simulator
+from pharos import Simulator
+
+_running = pytest.StashKey[list[Simulator]]()
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line(
+        "markers", "realtime: needs the host's clock; all else runs in virtual time"
+    )
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Generator[None, Any, None]:
+    outcome = yield
+    report = outcome.get_result()
+    if report.failed:
+        for sim in item.stash.get(_running, []):
+            report.sections.append(("light", sim.replay()))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _binary() -> None:
+    if not harness.BINARY.is_file():
+        pytest.exit(f"{harness.BINARY}: no such file; run `make build` first", returncode=2)
+
+
+@pytest.fixture
+def start(request: pytest.FixtureRequest) -> Iterator[Callable[..., Simulator]]:
+    """Starts simulators that end with the test: start({"uart0": …}, seed=…, options=…)."""
+    sims = request.node.stash.setdefault(_running, [])
+    with ExitStack() as stack:
+
+        def begin(wires: dict[str, str] | None = None, **kwargs: Any) -> Simulator:
+            sim = simulator(wires, **kwargs)
+            sims.append(sim)
+            stack.enter_context(sim)
+            return sim
+
+        yield begin
+
+
+@pytest.fixture(params=sorted(WIRES))
+def transport(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
+
+
+@pytest.fixture
+def light(start: Callable[..., Simulator], transport: str) -> Light:
+    """A light under virtual time with a client on uart0, over each transport in turn."""
+    return light_on(start({"uart0": WIRES[transport]}))
+
+
+@pytest.fixture
+def udp_light(start: Callable[..., Simulator]) -> Light:
+    """As `light`, over UDP only."""
+    return light_on(start({"uart0": WIRES["udp"]}))

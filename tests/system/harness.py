@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What every system test builds on: a light under virtual time and a MAVLink client at its wire.
+
+Numbers are wire values of MAVLink's common.xml, so that a test fails if ours drift."""
+
+from __future__ import annotations
+
+import math
+import os
+import struct
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from pharos import MavlinkConnection, Simulator, Source, find_dialect, load_dialect
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILD = Path(os.environ.get("PHAROS_BUILD", ROOT / "build" / "native")).resolve()
+BINARY = BUILD / "pharos"
+
+# MAV_CMD
+ON_OFF = 405
+CONFIGURE = 406
+GET_MESSAGE_INTERVAL = 510
+SET_MESSAGE_INTERVAL = 511
+REQUEST_MESSAGE = 512
+
+# MAV_RESULT
+ACCEPTED = 0
+DENIED = 2
+UNSUPPORTED = 3
+FAILED = 4
+
+# Message ids
+HEARTBEAT = 0
+MESSAGE_INTERVAL = 244
+INFORMATION = 396
+STATUS = 440
+
+# ILLUMINATOR_ERROR_FLAGS
+THROTTLING = 1
+OVER_TEMPERATURE = 2
+THERMISTOR_FAILURE = 4
+
+INTERNAL = 1
+EXTERNAL_SYNC = 2
+
+# MAV_STATE
+STATE_ACTIVE = 4
+STATE_CRITICAL = 5
+STATE_EMERGENCY = 6
+
+NAN = math.nan
+INF = math.inf
+FULL_PPM = 1_000_000
+SECOND_US = 1_000_000
+
+# The wire that each transport needs, as the light's command line takes it.
+WIRES = {
+    "udp": "udpin:127.0.0.1:0",
+    "tcp": "tcpin:127.0.0.1:0",
+    "pty": "pty:{folder}/uart0",
+}
+
+# What 440 says of the settings; the rest is time and temperature.
+SETTINGS = (
+    "enable",
+    "mode",
+    "brightness",
+    "strobe_period",
+    "strobe_duty_cycle",
+    "mode_bitmask",
+    "min_strobe_period",
+    "max_strobe_period",
+)
+
+
+def f32(value: float) -> float:
+    """The value as it is once it has crossed the wire as a 32-bit float."""
+    return float(struct.unpack("<f", struct.pack("<f", value))[0])
+
+
+class Light:
+    """A running light (`sim`) and a client (`mav`) on its uart0, already introduced."""
+
+    def __init__(self, sim: Simulator, mav: MavlinkConnection) -> None:
+        self.sim = sim
+        self.mav = mav
+
+    def greet(self) -> None:
+        """Introduces the client, and waits until the light is up and has sampled its temperature
+        (10 Hz), which lifts the limit that holds until then."""
+        self.mav.heartbeat()
+        self.sim.advance(s=1)
+        self.mav.recv("HEARTBEAT")
+
+    def on(self) -> int:
+        return int(self.mav.command_long(ON_OFF, 1).result)
+
+    def off(self) -> int:
+        return int(self.mav.command_long(ON_OFF, 0).result)
+
+    def configure(
+        self,
+        brightness: float = 100.0,
+        period_s: float = 0.0,
+        duty: float = 100.0,
+        mode: float = INTERNAL,
+    ) -> int:
+        return int(self.mav.command_long(CONFIGURE, mode, brightness, period_s, duty).result)
+
+    def status(self) -> Any:
+        """A fresh ILLUMINATOR_STATUS, on request."""
+        ack = self.mav.command_long(REQUEST_MESSAGE, STATUS)
+        assert ack.result == ACCEPTED
+        return self.mav.recv("ILLUMINATOR_STATUS", timeout_us=0)
+
+    def settings(self) -> dict[str, Any]:
+        status = self.status()
+        return {name: getattr(status, name) for name in SETTINGS}
+
+    def level_ppm(self) -> int:
+        """The lamp's output now."""
+        return int(self.sim.outputs()["level_ppm"])
+
+    def collect(self, seconds: float) -> list[Any]:
+        """Everything that comes within the next seconds; what lay there before is dropped."""
+        self.mav.drain()
+        self.mav.inbox.clear()
+        return self.mav.pass_time(round(seconds * 1e6))
+
+
+def of(kind: str, messages: Sequence[Any]) -> list[Any]:
+    return [m for m in messages if m.get_type() == kind]
+
+
+def texts(messages: Sequence[Any]) -> list[str]:
+    """The STATUSTEXTs among `messages`."""
+    return [str(m.text) for m in of("STATUSTEXT", messages)]
+
+
+def simulator(wires: dict[str, str] | None = None, **kwargs: Any) -> Simulator:
+    return Simulator(BINARY, wires, dialect=load_dialect(find_dialect(BUILD)), **kwargs)
+
+
+def light_on(sim: Simulator, source: Source | None = None) -> Light:
+    """A client on a running simulator's uart0."""
+    light = Light(sim, sim.connect("uart0", source))
+    light.greet()
+    return light

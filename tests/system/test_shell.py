@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The device's own shell, on a pty."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+import pytest
+
+from harness import FULL_PPM, WIRES, Light, light_on
+from pharos import Link, Simulator
+
+
+class Shell:
+    """Types lines and reads what comes back, without colours and cursor movement."""
+
+    def __init__(self, sim: Simulator, link: Link) -> None:
+        self._sim = sim
+        self._link = link
+
+    def keys(self, keys: str, pass_us: int = 300_000) -> str:
+        self._link.send(keys.encode())
+        self._sim.advance(pass_us)
+        text = b"".join(self._link.take()).decode(errors="replace")
+        return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", text).replace("\r", "")
+
+    def __call__(self, line: str) -> str:
+        return self.keys(line + "\r")
+
+
+@pytest.fixture
+def both(start: Callable[..., Simulator]) -> tuple[Light, Shell]:
+    sim = start({"uart0": WIRES["udp"], "console": "pty:{folder}/shell"})
+    light = light_on(sim)
+    shell = Shell(sim, sim.open("console"))
+    shell("")
+    return light, shell
+
+
+def test_light_on_and_off(both: tuple[Light, Shell]) -> None:
+    light, shell = both
+    light.configure(100)
+    shell("light on")
+    assert light.level_ppm() == FULL_PPM
+    assert light.status().enable == 1
+    shell("light off")
+    assert light.level_ppm() == 0
+    assert light.status().enable == 0
+
+
+def test_light_set_is_seen_over_mavlink(both: tuple[Light, Shell]) -> None:
+    light, shell = both
+    shell("light set brightness 40")
+    assert light.status().brightness == 40.0
+
+
+def test_light_status_tells_the_state(both: tuple[Light, Shell]) -> None:
+    light, shell = both
+    light.configure(60)
+    light.on()
+    out = shell("light status")
+    assert "on" in out
+    assert "60" in out
+
+
+def test_light_set_out_of_range_is_refused(both: tuple[Light, Shell]) -> None:
+    light, shell = both
+    light.configure(60)
+    assert shell("light set brightness 101").count("\n") >= 2
+    assert light.status().brightness == 60.0
+
+
+def test_thermal_tells_temperature_and_limit(both: tuple[Light, Shell]) -> None:
+    out = both[1]("thermal")
+    assert re.search(r"-?\d+\.\d+", out)
+    assert "limit" in out
+
+
+def test_link_stats_counts_frames(both: tuple[Light, Shell]) -> None:
+    light, shell = both
+
+    def received() -> list[int]:
+        return [int(n) for n in re.findall(r"\d+", shell("link stats"))]
+
+    before = received()
+    for _ in range(10):
+        light.on()
+    assert received() != before
+
+
+def test_kernel_threads_names_them(both: tuple[Light, Shell]) -> None:
+    out = both[1]("kernel threads")
+    for name in ("command", "thermal", "supervisor", "shell"):
+        assert name in out
+
+
+def test_version_is_told(both: tuple[Light, Shell]) -> None:
+    assert re.search(r"\d+\.\d+", both[1]("version"))
+
+
+def test_unknown_command_is_said_to_be_unknown(both: tuple[Light, Shell]) -> None:
+    assert "not found" in both[1]("lihgt on")
+
+
+def test_tab_completes(both: tuple[Light, Shell]) -> None:
+    light, shell = both
+    light.configure(100)
+    assert "light" in shell.keys("lig\t")
+    shell(" on")
+    assert light.level_ppm() == FULL_PPM
+
+
+def test_arrow_up_brings_the_last_line_back(both: tuple[Light, Shell]) -> None:
+    light, shell = both
+    shell("light on")
+    light.off()
+    shell("\x1b[A")
+    assert light.status().enable == 1
+
+
+def test_backspace_and_control_c_edit_the_line(both: tuple[Light, Shell]) -> None:
+    light, shell = both
+    shell("light ofg\x7f\x7fn")
+    assert light.status().enable == 1
+    shell.keys("light off\x03")
+    shell("")
+    assert light.status().enable == 1

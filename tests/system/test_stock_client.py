@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Programs from PyPI, as they come, in real time: these two tests alone see the host's clock."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import select
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness import BINARY, BUILD
+from pharos import find_dialect, load_dialect
+from pharos.control import ControlClient
+
+LIMIT_S = 60.0
+
+
+@pytest.fixture
+def address(tmp_path: Path) -> Iterator[str]:
+    """HOST:PORT of a light that runs in real time and listens over UDP."""
+    control = tmp_path / "control"
+    process = subprocess.Popen(
+        [str(BINARY), "--control", str(control), "--uart0", "udpin:127.0.0.1:0",
+         "--console", "none"],
+        stdin=subprocess.DEVNULL,
+    )  # fmt: skip
+    try:
+        yield str(_wires(process, control)["uart0"]["address"]).partition(":")[2]
+    finally:
+        process.kill()
+        process.wait()
+
+
+def _wires(process: subprocess.Popen[bytes], control: Path) -> dict[str, Any]:
+    end = time.monotonic() + LIMIT_S
+    while time.monotonic() < end:
+        try:
+            client = ControlClient(str(control))
+        except OSError:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                raise AssertionError(f"the light ended with {process.wait(0.01)}") from None
+            continue
+        wires: dict[str, Any] = client.request("wires")["wires"]
+        client.close()
+        return wires
+    raise AssertionError("the light opened no control socket")
+
+
+def _read_until(process: subprocess.Popen[bytes], pattern: str) -> str:
+    """Reads output until `pattern` is seen; fails, showing it all, after LIMIT_S."""
+    assert process.stdout is not None
+    end = time.monotonic() + LIMIT_S
+    text = ""
+    while not re.search(pattern, text):
+        left = end - time.monotonic()
+        ready = select.select([process.stdout], [], [], max(0.0, left))[0]
+        data = os.read(process.stdout.fileno(), 65536) if ready else b""
+        assert data, f"no '{pattern}' in MAVProxy's output:\n{text}"
+        text += data.decode(errors="replace")
+    return text
+
+
+@pytest.mark.realtime
+def test_mavproxy_turns_the_light_on(address: str, tmp_path: Path) -> None:
+    mavproxy = Path(sys.executable).with_name("mavproxy.py")
+    environment = {**os.environ, "HOME": str(tmp_path), "PYTHONUNBUFFERED": "1"}
+    process = subprocess.Popen(
+        [sys.executable, str(mavproxy), f"--master=udpout:{address}", "--target-system=1",
+         "--target-component=243", "--default-modules=cmdlong", f"--state-basedir={tmp_path}"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        cwd=tmp_path,
+        env=environment,
+    )  # fmt: skip
+    try:
+        assert process.stdin is not None
+        _read_until(process, r"link 1 OK|Detected vehicle|online system 1|heartbeat")
+        process.stdin.write(b"long ILLUMINATOR_ON_OFF 1\n")
+        process.stdin.flush()
+        _read_until(process, r"ILLUMINATOR_ON_OFF.*ACCEPTED")
+    finally:
+        process.kill()
+        process.wait()
+
+
+@pytest.mark.realtime
+def test_mavutil_with_the_generated_dialect_decodes_status_and_information(address: str) -> None:
+    from pymavlink import mavutil
+
+    dialect = load_dialect(find_dialect(BUILD))
+    connection = mavutil.mavlink_connection(f"udpout:{address}", source_system=255)
+    try:
+        connection.mav = dialect.MAVLink(connection, 255, 190)
+        connection.mav.robust_parsing = True
+        connection.mav.heartbeat_send(6, 8, 0, 0, 4)
+        status = connection.recv_match(type="ILLUMINATOR_STATUS", blocking=True, timeout=LIMIT_S)
+        assert status is not None
+        assert status.mode_bitmask == 3
+        connection.mav.command_long_send(1, 243, 512, 0, 396, 0, 0, 0, 0, 0, 0)
+        information = connection.recv_match(
+            type="COMPONENT_INFORMATION_BASIC", blocking=True, timeout=LIMIT_S
+        )
+        assert information is not None
+        assert information.model_name
+    finally:
+        connection.close()
