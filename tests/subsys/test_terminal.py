@@ -1,0 +1,558 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The shell on a real pseudo-terminal: editing, history, completion; and on pipes."""
+
+from __future__ import annotations
+
+import os
+import re
+import select
+import subprocess
+import time
+import tty
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILD = Path(os.environ.get("PHAROS_BUILD", ROOT / "build" / "native")).resolve()
+APP = BUILD / "tests" / "subsys" / "shell_app"
+PROMPT = "pharos:~$ "
+DEADLINE_S = 20.0
+
+UP, DOWN, RIGHT, LEFT = "\x1b[A", "\x1b[B", "\x1b[C", "\x1b[D"
+HOME, END, DELETE = "\x1b[H", "\x1b[F", "\x1b[3~"
+WORD_LEFT, WORD_RIGHT = "\x1b[1;5D", "\x1b[1;5C"
+BACKSPACE = "\x7f"
+CTRL = {letter: chr(ord(letter) & 0x1F) for letter in "ABCDEFKLNPUW"}
+
+_SEQUENCE = re.compile(r"\x1b\[([0-9;]*)([A-Za-z])")
+
+
+class Terminal:
+    """What the escape sequences that the shell sends do to a screen of some columns, whose rows grow
+    downwards without end. Like a VT100, it wraps when the next character comes, not when a row is
+    full, and it answers when asked where its cursor is."""
+
+    def __init__(self, columns: int = 80) -> None:
+        self.columns = columns
+        self.rows: list[list[str]] = [[]]
+        self.row = 0
+        self.column = 0
+        self.bells = 0
+        self.answers: list[bytes] = []
+        self.colours: set[str] = set()
+        self._saved = (0, 0)
+        self._rest = ""
+
+    @property
+    def text(self) -> list[str]:
+        """The rows, without blanks at their ends."""
+        return ["".join(row).rstrip() for row in self.rows]
+
+    @property
+    def line(self) -> str:
+        """The last row that has anything on it."""
+        return next((row for row in reversed(self.text) if row), "")
+
+    def feed(self, data: bytes) -> None:
+        text = self._rest + data.decode("ascii", errors="replace")
+        self._rest = ""
+        at = 0
+        while at < len(text):
+            if text[at] != "\x1b":
+                self._character(text[at])
+                at += 1
+                continue
+            match = _SEQUENCE.match(text, at)
+            if match is None:
+                self._rest = text[at:]
+                break
+            self._control(match[1], match[2])
+            at = match.end()
+
+    def _character(self, character: str) -> None:
+        if character == "\r":
+            self.column = 0
+        elif character == "\n":
+            self._down()
+        elif character == "\b":
+            self.column = max(self.column - 1, 0)
+        elif character == "\a":
+            self.bells += 1
+        else:
+            assert character.isprintable(), f"the shell sent {character!r}"
+            if self.column == self.columns:
+                self.column = 0
+                self._down()
+            row = self.rows[self.row]
+            row.extend(" " * (self.column + 1 - len(row)))
+            row[self.column] = character
+            self.column += 1
+
+    def _down(self) -> None:
+        self.row += 1
+        if self.row == len(self.rows):
+            self.rows.append([])
+
+    def _control(self, arguments: str, final: str) -> None:
+        count = int(arguments.split(";")[0] or 1) if arguments else 1
+        if final == "A":
+            self.row = max(self.row - count, 0)
+        elif final == "C":
+            self.column = min(self.column + count, self.columns - 1)
+        elif final == "H":
+            self.row = self.column = 0
+        elif final == "J" and arguments in ("", "0"):
+            del self.rows[self.row][self.column :]
+            del self.rows[self.row + 1 :]
+        elif final == "J" and arguments == "2":
+            self.rows = [[] for _ in self.rows]
+        elif final == "m":
+            self.colours.add(arguments)
+        elif final == "n" and arguments == "6":
+            answer = f"\x1b[{self.row + 1};{min(self.column, self.columns - 1) + 1}R"
+            self.answers.append(answer.encode())
+        elif final == "s":
+            self._saved = (self.row, self.column)
+        elif final == "u":
+            self.row, self.column = self._saved
+        else:
+            raise AssertionError(f"the shell sent ESC [ {arguments} {final}")
+
+
+class Session:
+    """The app with its console on a pty, and a terminal at the other end."""
+
+    def __init__(self, folder: Path, columns: int = 80) -> None:
+        self.screen = Terminal(columns)
+        self.raw = b""
+        self.answered = 0
+        link = folder / "console"
+        self.process = subprocess.Popen(
+            [APP, "--console", f"pty:{link}"], stderr=subprocess.PIPE, stdin=subprocess.DEVNULL
+        )
+        limit = time.monotonic() + DEADLINE_S
+        while not link.exists():
+            assert self.process.poll() is None, self.process.communicate()[1]
+            assert time.monotonic() < limit, "no pty"
+            select.select([], [], [], 0.01)
+        self._fd = os.open(link, os.O_RDWR | os.O_NOCTTY)
+        tty.setraw(self._fd)
+        # What was sent before the terminal was there is lost, as on any UART.
+        self.keys("\r", lambda s: s.screen.line == PROMPT.rstrip())
+        # Clearing the screen makes the shell ask for the width.
+        self.keys(CTRL["L"], lambda s: s.answered > 0)
+        self._settle()
+
+    def close(self) -> None:
+        self.process.kill()
+        self.process.communicate()
+        os.close(self._fd)
+
+    def _settle(self) -> None:
+        """Waits until the shell has taken all keys: it answers a marker that leaves no trace."""
+        before = self.screen.bells
+        # Down is refused with a bell where there is nothing newer.
+        os.write(self._fd, b"\x1b[B")
+        self._until(lambda s: s.screen.bells > before)
+
+    def _until(self, done: Callable[[Session], bool]) -> None:
+        limit = time.monotonic() + DEADLINE_S
+        while not done(self):
+            left = limit - time.monotonic()
+            ready = select.select([self._fd], [], [], max(left, 0))[0]
+            assert ready, f"the screen stayed\n{self.screen.text}\nraw {self.raw[-300:]!r}"
+            data = os.read(self._fd, 4096)
+            self.raw += data
+            self.screen.feed(data)
+            for answer in self.screen.answers:
+                os.write(self._fd, answer)
+                self.answered += 1
+            self.screen.answers.clear()
+
+    def keys(self, keys: str, done: Callable[[Session], bool]) -> None:
+        os.write(self._fd, keys.encode())
+        self._until(done)
+
+    def type(self, keys: str) -> str:
+        """Types, and gives the line being edited, without its prompt."""
+        os.write(self._fd, keys.encode())
+        self._settle()
+        return self.edited
+
+    @property
+    def edited(self) -> str:
+        return "".join(self.screen.text[self._prompt_row() :])[len(PROMPT) :]
+
+    def _prompt_row(self) -> int:
+        rows = self.screen.text
+        return max(i for i, row in enumerate(rows) if row.startswith(PROMPT.rstrip()))
+
+    @property
+    def cursor(self) -> int:
+        """Characters of the line before the cursor."""
+        row = self._prompt_row()
+        return (self.screen.row - row) * self.screen.columns + self.screen.column - len(PROMPT)
+
+    def run(self, line: str) -> list[str]:
+        """Types a line, and gives what it printed."""
+        self._settle()
+        start = self._prompt_row()
+        os.write(self._fd, f"{line}\r".encode())
+        self._until(lambda s: s.screen.line == PROMPT.rstrip() and s._prompt_row() > start)
+        return self.screen.text[start + 1 : self._prompt_row()]
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[Callable[..., Session]]:
+    sessions = []
+
+    def begin(columns: int = 80) -> Session:
+        sessions.append(Session(tmp_path, columns))
+        return sessions[-1]
+
+    yield begin
+    for session in sessions:
+        session.close()
+
+
+@pytest.fixture
+def shell(start: Callable[..., Session]) -> Session:
+    return start()
+
+
+def test_a_line_is_echoed_and_run(shell: Session) -> None:
+    assert shell.run("say hello world") == ["<hello>", "<world>"]
+
+
+def test_an_empty_line_gives_a_new_prompt(shell: Session) -> None:
+    assert shell.run("") == []
+
+
+def test_unknown_command(shell: Session) -> None:
+    assert shell.run("sya hello") == ["sya: command not found"]
+
+
+def test_backspace_and_delete(shell: Session) -> None:
+    assert shell.type("sayx" + BACKSPACE) == "say"
+    assert shell.type("\x08") == "sa"
+    assert shell.type(LEFT + DELETE) == "s"
+    assert shell.cursor == 1
+    assert shell.type(BACKSPACE + BACKSPACE) == ""
+
+
+def test_insert_in_the_middle(shell: Session) -> None:
+    assert shell.type("say ac" + LEFT + "b") == "say abc"
+    assert shell.cursor == 6
+    assert shell.run("") == ["<abc>"]
+
+
+def test_home_and_end(shell: Session) -> None:
+    for home, end in (
+        (HOME, END),
+        ("\x1b[1~", "\x1b[4~"),
+        ("\x1bOH", "\x1bOF"),
+        (CTRL["A"], CTRL["E"]),
+    ):
+        shell.type("middle" + home)
+        assert shell.cursor == 0
+        shell.type(end)
+        assert shell.cursor == len("middle")
+        assert shell.type(CTRL["U"]) == ""
+
+
+def test_cursor_stops_at_both_ends(shell: Session) -> None:
+    shell.type("ab" + RIGHT * 3)
+    assert shell.cursor == 2
+    shell.type(LEFT * 5)
+    assert shell.cursor == 0
+
+
+def test_control_b_and_f_move_too(shell: Session) -> None:
+    shell.type("abc" + CTRL["B"] * 2)
+    assert shell.cursor == 1
+    shell.type(CTRL["F"])
+    assert shell.cursor == 2
+
+
+def test_control_k_and_u_cut_to_the_ends(shell: Session) -> None:
+    assert shell.type("abcdef" + LEFT * 2 + CTRL["K"]) == "abcd"
+    assert shell.type(LEFT + CTRL["U"]) == "d"
+    assert shell.cursor == 0
+
+
+def test_control_w_cuts_a_word(shell: Session) -> None:
+    assert shell.type("say one  two" + CTRL["W"]) == "say one"
+    assert shell.cursor == len("say one  ")
+    assert shell.type(CTRL["W"]) == "say"
+
+
+def test_words_are_stepped_over(shell: Session) -> None:
+    shell.type("say one two" + WORD_LEFT)
+    assert shell.cursor == len("say one ")
+    shell.type("\x1bb")
+    assert shell.cursor == len("say ")
+    shell.type(WORD_RIGHT)
+    assert shell.cursor == len("say one")
+    shell.type("\x1bf")
+    assert shell.cursor == len("say one two")
+
+
+def test_control_d_deletes_under_the_cursor(shell: Session) -> None:
+    assert shell.type("abc" + HOME + CTRL["D"]) == "bc"
+    assert shell.type(END + CTRL["D"]) == "bc"
+
+
+def test_control_c_abandons_the_line(shell: Session) -> None:
+    shell.type("say no")
+    shell.keys(CTRL["C"], lambda s: s.screen.line == PROMPT.rstrip())
+    assert f"{PROMPT}say no^C" in shell.screen.text
+    assert shell.run("") == []
+
+
+def test_control_l_clears_the_screen_and_keeps_the_line(shell: Session) -> None:
+    shell.run("say something")
+    shell.type("say ab" + LEFT)
+    assert shell.type(CTRL["L"]) == "say ab"
+    assert shell.screen.text[0] == PROMPT + "say ab"
+    assert shell.cursor == len("say a")
+
+
+def test_history_up_and_down(shell: Session) -> None:
+    shell.run("say one")
+    shell.run("say two")
+    assert shell.type("half") == "half"
+    os.write(shell._fd, UP.encode())
+    shell._until(lambda s: s.edited == "say two")
+    os.write(shell._fd, UP.encode())
+    shell._until(lambda s: s.edited == "say one")
+    os.write(shell._fd, CTRL["P"].encode())
+    shell._until(lambda s: s.screen.bells > 0)
+    assert shell.edited == "say one"
+    os.write(shell._fd, DOWN.encode())
+    shell._until(lambda s: s.edited == "say two")
+    os.write(shell._fd, CTRL["N"].encode())
+    shell._until(lambda s: s.edited == "half")
+    assert shell.cursor == len("half")
+
+
+def test_a_line_from_history_is_edited_and_run(shell: Session) -> None:
+    shell.run("say one")
+    shell.keys(UP, lambda s: s.edited == "say one")
+    os.write(shell._fd, (BACKSPACE * 3 + "two\r").encode())
+    shell._until(lambda s: "<two>" in s.screen.text)
+
+
+def test_history_holds_a_line_once_in_a_row(shell: Session) -> None:
+    shell.run("say one")
+    shell.run("say two")
+    shell.run("say two")
+    assert shell.run("history") == ["[  0] history", "[  1] say two", "[  2] say one"]
+
+
+def test_history_forgets_the_oldest(shell: Session) -> None:
+    for number in range(60):
+        shell.run(f"say {number:02} 23456789")
+    lines = [row for row in shell.run("history") if row.startswith("[")]
+    # 512 bytes of history hold 31 lines of 16 bytes with their terminators; "history" takes 8.
+    assert len(lines) == 1 + (512 - 8) // 16
+    assert lines[1].endswith("say 59 23456789")
+
+
+def test_tab_completes_the_only_match_and_adds_a_blank(shell: Session) -> None:
+    shell.type("tr\t")
+    assert shell.edited.rstrip() == "tree"
+    assert shell.cursor == len("tree ")
+    shell.type("l\t")
+    assert shell.edited.rstrip() == "tree leaf"
+    assert shell.run("x") == ["<x>"]
+
+
+def test_tab_lists_several_matches_in_columns(shell: Session) -> None:
+    assert shell.type("tree b\t") == "tree br"
+    row = shell.screen.text[shell._prompt_row() - 1]
+    assert row == "branch  brook"
+    assert shell.screen.text[shell._prompt_row() - 2] == PROMPT + "tree b"
+    assert shell.cursor == len("tree br")
+
+
+def test_tab_on_nothing_lists_all_in_order(shell: Session) -> None:
+    shell.type("tree \t")
+    assert shell.screen.text[shell._prompt_row() - 1] == "branch  brook   leaf"
+
+
+def test_tab_without_a_match_rings(shell: Session) -> None:
+    before = shell.screen.bells
+    assert shell.type("say xy\t") == "say xy"
+    assert shell.type("\x15nothing\t") == "nothing"
+    # two of them, and two of type() itself
+    assert shell.screen.bells - before == 4
+
+
+def test_tab_in_the_middle_keeps_the_rest(shell: Session) -> None:
+    assert shell.type("tr x" + LEFT * 2 + "\t") == "tree x"
+
+
+def test_a_line_longer_than_the_terminal_is_wide(start: Callable[..., Session]) -> None:
+    shell = start(columns=30)
+    words = "say abcdefghij klmnopqrst uvwxyz0123456789"
+    assert shell.type(words) == words
+    assert shell.screen.row - shell._prompt_row() == 1
+    shell.type(HOME)
+    assert shell.cursor == 0
+    assert shell.type(RIGHT * 4 + "X") == "say X" + words[4:]
+    assert shell.type(BACKSPACE) == words
+    shell.type(END)
+    assert shell.cursor == len(words)
+    assert shell.type(CTRL["U"]) == ""
+
+
+def test_a_line_exactly_as_long_as_a_row(start: Callable[..., Session]) -> None:
+    shell = start(columns=30)
+    line = "say 3456789012345678"
+    assert len(PROMPT + line) == 30
+    assert shell.type(line) == line
+    assert shell.cursor == len(line)
+    assert shell.type("x" + BACKSPACE) == line
+    assert shell.run("") == ["<3456789012345678>"]
+
+
+def test_the_width_is_asked_for(start: Callable[..., Session]) -> None:
+    # 50 columns: a list that fits 80 columns in one row needs more here
+    shell = start(columns=50)
+    shell.type("\t")
+    assert max(len(row) for row in shell.screen.text) <= 50
+
+
+def test_a_log_line_does_not_tear_the_line_being_typed(shell: Session) -> None:
+    shell.run("later 50")
+    shell.type("say abc" + LEFT)
+    shell._until(lambda s: any("<wrn> shell_app: from a timer" in row for row in s.screen.text))
+    shell._settle()
+    assert shell.edited == "say abc"
+    assert shell.cursor == len("say ab")
+    rows = shell.screen.text
+    log = next(i for i, row in enumerate(rows) if "from a timer" in row)
+    assert rows[log].startswith("[00:00:")
+    assert rows[log + 1] == PROMPT + "say abc"
+    assert rows.count(PROMPT + "say abc") == 1
+    os.write(shell._fd, b"\r")
+    shell._until(lambda s: "<abc>" in s.screen.text)
+
+
+def test_errors_are_red_on_a_terminal(shell: Session) -> None:
+    shell.run("fail")
+    assert b"\x1b[1;31min red\x1b[0m\r\n" in shell.raw
+
+
+def test_colours_can_be_turned_off(shell: Session) -> None:
+    shell.run("shell colors off")
+    shell.screen.colours.clear()
+    shell.run("fail")
+    assert not shell.screen.colours
+
+
+def test_strange_bytes_do_not_harm(shell: Session) -> None:
+    noise = bytes(b for b in range(128, 256)) + b"\x1b[999;999;999Z\x1b[?25h\x1bOQ\x00\x1c\x1d"
+    os.write(shell._fd, noise)
+    assert shell.type("") == ""
+    assert shell.run("say on") == ["<on>"]
+
+
+def test_a_line_that_does_not_fit_is_not_run(shell: Session) -> None:
+    os.write(shell._fd, b"say " + b"x" * 300)
+    shell._until(lambda s: s.screen.bells > 0)
+    os.write(shell._fd, b"\r")
+    shell._until(lambda s: any("not executed" in row for row in s.screen.text))
+    assert shell.run("say on") == ["<on>"]
+
+
+def test_kernel_threads(shell: Session) -> None:
+    rows = shell.run("kernel threads")
+    assert rows[0].startswith("name")
+    names = [row.split()[0] for row in rows[1:]]
+    assert "shell_uart" in names
+    assert "logging" in names
+
+
+def test_reboot_brings_a_new_prompt(shell: Session) -> None:
+    shell.type("kernel reboot cold")
+    row = shell.screen.row
+    os.write(shell._fd, b"\r")
+    shell._until(lambda s: s.screen.row > row and s.screen.line == PROMPT.rstrip())
+    uptime = shell.run("kernel uptime")
+    assert uptime[0].startswith("Uptime: ")
+    assert shell.process.poll() is None
+
+
+def pipe(script: str, *options: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [APP, "--console", "stdio", *options],
+        input=script,
+        capture_output=True,
+        text=True,
+        timeout=DEADLINE_S,
+        check=False,
+    )
+
+
+def test_on_pipes_there_is_only_what_commands_print() -> None:
+    done = pipe("say a b\nfail\n\nnothing\nexit\n")
+    assert done.stdout == "<a>\n<b>\nin red\nnothing: command not found\n"
+    assert done.returncode == 0
+
+
+def test_dos_line_ends_are_line_ends() -> None:
+    assert pipe("say a\r\nsay b\r\nexit\r\n").stdout == "<a>\n<b>\n"
+
+
+def test_settings_file_keeps_values(tmp_path: Path) -> None:
+    path = tmp_path / "settings"
+    option = f"--settings={path}"
+    assert pipe("save light/level 42\nexit\n", option).stdout == "saved: 0\n"
+    assert path.read_bytes().startswith(b"PHAROS settings 1\n")
+    assert "light/level  2 bytes" in pipe("settings list\nexit\n", option).stdout
+    assert f"file {path}" in pipe("settings status\nexit\n", option).stdout
+    pipe("settings delete light/level\nexit\n", option)
+    assert pipe("settings list\nexit\n", option).stdout == ""
+
+
+def test_settings_survive_a_reset_even_in_memory() -> None:
+    done = pipe("save light/level 42\nkernel reboot cold\nsettings list\nexit\n")
+    assert "light/level  2 bytes" in done.stdout
+    assert "in memory" in pipe("settings status\nexit\n").stdout
+
+
+def test_a_broken_settings_file_loses_one_record_and_says_so(tmp_path: Path) -> None:
+    path = tmp_path / "settings"
+    option = f"--settings={path}"
+    pipe("save first 11111\nsave second 22222\nexit\n", option)
+    content = bytearray(path.read_bytes())
+    content[content.index(b"11111")] ^= 1
+    path.write_bytes(content)
+    done = pipe("settings list\nexit\n", option)
+    assert "second  5 bytes" in done.stdout
+    assert "first" not in done.stdout
+    assert "1 broken records left out" in done.stdout + done.stderr
+
+
+def test_a_file_that_is_no_settings_file_is_left_alone(tmp_path: Path) -> None:
+    path = tmp_path / "letter"
+    path.write_text("Dear all,\n")
+    done = pipe("save a 1\nexit\n", f"--settings={path}")
+    assert "not a settings file" in done.stdout + done.stderr
+    assert "saved: -" in done.stdout
+    assert path.read_text() == "Dear all,\n"
+
+
+def test_settings_in_a_folder_that_is_not_there(tmp_path: Path) -> None:
+    # -2: ENOENT
+    assert "saved: -2" in pipe("save a 1\nexit\n", f"--settings={tmp_path}/no/file").stdout
+
+
+def test_settings_option_wants_a_file(tmp_path: Path) -> None:
+    done = pipe("", f"--settings={tmp_path}")
+    assert done.returncode == 2
+    assert len(done.stderr.splitlines()) == 1
+    assert "not a regular file" in done.stderr
