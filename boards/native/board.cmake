@@ -55,7 +55,8 @@ target_compile_options(zephyr_interface INTERFACE
   $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes>
   -fno-common -fno-omit-frame-pointer
   -imacros ${GENERATED_DIR}/autoconf.h)
-target_compile_definitions(zephyr_interface INTERFACE _GNU_SOURCE)
+# The application's main() is a thread of the device; the process's own is boards/native/host/main.c.
+target_compile_definitions(zephyr_interface INTERFACE _GNU_SOURCE main=zephyr_app_main)
 target_include_directories(zephyr_interface INTERFACE
   ${NATIVE_DIR}/include ${PHAROS_DIR}/drivers/include ${GENERATED_DIR})
 if(PHAROS_SANITIZE)

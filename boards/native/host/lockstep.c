@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "host/lockstep.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "host/carry.h"
+#include "host/clock.h"
+#include "host/control.h"
+#include "host/control_ops.h"
+#include "host/loop.h"
+#include "host/module.h"
+#include "host/wire.h"
+#include "kernel/port.h"
+
+/* A thousand years: far from overflow, further than anybody asks for. */
+#define ADVANCE_MAX_US 31536000000000000
+
+enum {
+	AWAIT_MS = 5000,
+	NAME_MAX_LENGTH = 16,
+	JUMPS_PER_POLL = 4096, /* jumps between looks at signals and at the client */
+	LOOKS_MAX = 256,       /* rounds of the loop at the start of an advance */
+};
+
+/* Carried over resets. */
+static struct {
+	bool active;
+	bool gathering; /* bytes for this advance; nothing has moved yet */
+	uint64_t target_us;
+	uint64_t gather_until_ns; /* host time */
+	uint32_t await_ms;
+	uint32_t await_count;
+	struct await {
+		char wire[NAME_MAX_LENGTH];
+		uint64_t bytes;
+	} await[WIRES_MAX];
+} state;
+
+static uint32_t jumps;
+
+bool lockstep_enabled(void)
+{
+	return clock_is_virtual() && control_enabled();
+}
+
+void lockstep_cancel(void)
+{
+	if (state.active) {
+		state.active = false;
+		control_reply(NULL, "the client has gone");
+	}
+}
+
+/* --- the request ---------------------------------------------------------------------------------
+ */
+
+static bool parse_await(struct control_call *call)
+{
+	json_t *await = json_object_get(call->request, "await");
+	const char *name;
+	json_t *bytes;
+
+	state.await_count = 0;
+	if (await == NULL) {
+		return true;
+	}
+	if (!json_is_object(await)) {
+		host_error_set(call->error, "\"await\" must be an object, such as {\"uart0\":20}");
+		return false;
+	}
+	json_object_foreach(await, name, bytes)
+	{
+		if (wire_find(name) == NULL || strlen(name) >= NAME_MAX_LENGTH) {
+			host_error_set(call->error, "await: no wire \"%.40s\"", name);
+			return false;
+		}
+		if (!json_is_integer(bytes) || json_integer_value(bytes) < 0 ||
+		    state.await_count == WIRES_MAX) {
+			host_error_set(call->error, "await: %s must be a total of received bytes",
+			               name);
+			return false;
+		}
+		strcpy(state.await[state.await_count].wire, name);
+		state.await[state.await_count].bytes = (uint64_t)json_integer_value(bytes);
+		state.await_count++;
+	}
+	return true;
+}
+
+static enum control_result run_advance(struct control_call *call)
+{
+	int64_t us;
+	int64_t await_ms = AWAIT_MS;
+
+	if (!clock_is_virtual()) {
+		return control_fail(call, "real time moves by itself; start with --time virtual");
+	}
+	if (!control_integer(call, "us", 0, ADVANCE_MAX_US, &us) ||
+	    !control_integer_or(call, "await_ms", 0, 3600000, &await_ms) || !parse_await(call)) {
+		return CONTROL_ERROR;
+	}
+	state.active = true;
+	state.gathering = true;
+	state.target_us = clock_board_us() + (uint64_t)us;
+	state.await_ms = (uint32_t)await_ms;
+	state.gather_until_ns = 0;
+	return CONTROL_LATER;
+}
+
+static void reply(void)
+{
+	json_t *body = json_object();
+	json_t *wires = json_object();
+	const struct wire *wire;
+
+	control_put_integer(body, "now_us", (int64_t)clock_board_us());
+	for (size_t i = 0; (wire = wire_at(i)) != NULL; i++) {
+		json_t *entry;
+
+		if (wire->type == &wire_none) {
+			continue;
+		}
+		entry = json_object();
+		control_put_integer(entry, "rx_bytes", (int64_t)wire->kept.counts.rx_bytes);
+		control_put_integer(entry, "tx_bytes", (int64_t)wire->kept.counts.tx_bytes);
+		control_put_integer(entry, "tx_datagrams", (int64_t)wire->kept.counts.tx_datagrams);
+		json_object_set_new(wires, wire->name, entry);
+	}
+	json_object_set_new(body, "wires", wires);
+	control_reply(body, NULL);
+}
+
+/* --- its steps -----------------------------------------------------------------------------------
+ */
+
+/* The first wire that still lacks bytes; NULL: all are here. */
+static const struct await *find_missing(void)
+{
+	for (uint32_t i = 0; i < state.await_count; i++) {
+		const struct wire *wire = wire_find(state.await[i].wire);
+
+		if (wire->kept.counts.rx_bytes < state.await[i].bytes) {
+			return &state.await[i];
+		}
+	}
+	return NULL;
+}
+
+static void fail_missing(const struct await *missing)
+{
+	char text[160];
+
+	snprintf(text, sizeof(text),
+	         "await: %s has received %" PRIu64 " of %" PRIu64 " bytes after %" PRIu32 " ms",
+	         missing->wire, wire_find(missing->wire)->kept.counts.rx_bytes, missing->bytes,
+	         state.await_ms);
+	state.active = false;
+	control_reply(NULL, text);
+}
+
+static void release_all(void)
+{
+	struct wire *wire;
+
+	for (size_t i = 0; (wire = wire_at(i)) != NULL; i++) {
+		uint64_t total = UINT64_MAX;
+
+		for (uint32_t k = 0; k < state.await_count; k++) {
+			if (strcmp(state.await[k].wire, wire->name) == 0) {
+				total = state.await[k].bytes;
+			}
+		}
+		wire_release(wire, total);
+	}
+}
+
+/* Collects what was sent to the device; gives it to it all at once. */
+static void gather(void)
+{
+	const struct await *missing;
+
+	if (state.gather_until_ns == 0) {
+		state.gather_until_ns = clock_host_ns() + state.await_ms * 1000000ull;
+		wires_poke();
+		for (int i = 0; i < LOOKS_MAX && loop_poll(0) > 0; i++) {
+		}
+	}
+	while (state.active && !loop_interrupted() && (missing = find_missing()) != NULL) {
+		const uint64_t now_ns = clock_host_ns();
+
+		if (now_ns >= state.gather_until_ns) {
+			fail_missing(missing);
+			return;
+		}
+		loop_poll((int64_t)(state.gather_until_ns - now_ns));
+	}
+	if (state.active && !loop_interrupted()) {
+		state.gathering = false;
+		release_all();
+	}
+}
+
+static void arrive(void)
+{
+	clock_jump(state.target_us);
+	wires_flush();
+	state.active = false;
+	reply();
+	if (clock_board_us() >= clock_until_us()) {
+		port_exit(0);
+	}
+}
+
+void lockstep_idle(uint64_t deadline_us)
+{
+	control_after_reset();
+	if (!state.active) {
+		wires_flush();
+		if (!control_run_one()) {
+			loop_poll(-1);
+		}
+	} else if (state.gathering) {
+		gather();
+	} else if (deadline_us > state.target_us) {
+		arrive();
+	} else {
+		clock_jump(deadline_us);
+		if (++jumps % JUMPS_PER_POLL == 0) {
+			loop_poll(0);
+		}
+	}
+}
+
+static int start(void)
+{
+	carry_register("lockstep", &state, sizeof(state));
+	return 0;
+}
+
+static const struct control_op ops[] = {
+	{"advance",
+         "us: moves virtual time; await {WIRE: TOTAL}: first waits for that many received bytes, "
+         "await_ms (5000) at most",
+         run_advance},
+	{0},
+};
+
+HOST_MODULE(lockstep_module) = {
+	.name = "lockstep",
+	.order = HOST_ORDER_WIRES + 1,
+	.ops = ops,
+	.start = start,
+};

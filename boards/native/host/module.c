@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "host/module.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+	MODULES_MAX = 32
+};
+
+/* Bounds of the section, from the linker. */
+extern const struct host_module *const __start_host_modules[];
+extern const struct host_module *const __stop_host_modules[];
+
+static const struct host_module *sorted[MODULES_MAX];
+static size_t sorted_count;
+static size_t started;
+
+static int compare(const void *a, const void *b)
+{
+	const struct host_module *left = *(const struct host_module *const *)a;
+	const struct host_module *right = *(const struct host_module *const *)b;
+
+	if (left->order != right->order) {
+		return left->order < right->order ? -1 : 1;
+	}
+	return strcmp(left->name, right->name);
+}
+
+const struct host_module *const *host_modules(size_t *count)
+{
+	if (sorted_count == 0) {
+		const size_t n = (size_t)(__stop_host_modules - __start_host_modules);
+
+		if (n > MODULES_MAX) {
+			abort();
+		}
+		memcpy(sorted, __start_host_modules, n * sizeof(sorted[0]));
+		qsort(sorted, n, sizeof(sorted[0]), compare);
+		sorted_count = n;
+	}
+	*count = sorted_count;
+	return sorted;
+}
+
+int host_start(void)
+{
+	size_t count;
+	const struct host_module *const *modules = host_modules(&count);
+
+	for (started = 0; started < count; started++) {
+		if (modules[started]->start != NULL && modules[started]->start() != 0) {
+			return -1;
+		}
+	}
+	return 0;
+}
+
+void host_off(void)
+{
+	for (size_t i = started; i > 0; i--) {
+		if (sorted[i - 1]->off != NULL) {
+			sorted[i - 1]->off();
+		}
+	}
+}
+
+void host_save(void)
+{
+	for (size_t i = started; i > 0; i--) {
+		if (sorted[i - 1]->save != NULL) {
+			sorted[i - 1]->save();
+		}
+	}
+}
+
+void host_stop(void)
+{
+	/* A hook that ends the process itself must not run the others again. */
+	while (started > 0) {
+		started--;
+		if (sorted[started]->stop != NULL) {
+			sorted[started]->stop();
+		}
+	}
+}

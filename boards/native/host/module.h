@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A module of the host side: its command-line options, its control operations, and when it starts
+ * and ends. HOST_MODULE(name) = {…}; anywhere in the program registers one; main() walks them by
+ * `order`.
+ *
+ *   HOST_MODULE(lamp_module) = {
+ *           .name = "lamp", .order = 50, .options = lamp_options, .ops = lamp_ops,
+ *           .start = lamp_start, .off = lamp_off,
+ *   };
+ */
+#ifndef NATIVE_HOST_MODULE_H_
+#define NATIVE_HOST_MODULE_H_
+
+#include "host/options.h"
+
+struct control_op;
+struct control_fault;
+
+enum host_order {
+	HOST_ORDER_BASE = 10,    /* clock, trace */
+	HOST_ORDER_WIRES = 30,   /* UARTs, CAN */
+	HOST_ORDER_BOARD = 50,   /* models, recorder, devices */
+	HOST_ORDER_CONTROL = 90, /* the control socket opens when all else is there */
+};
+
+struct host_module {
+	const char *name; /* heading in --help */
+	int order;
+	const struct host_option *options;  /* NULL or ended by {0} */
+	const struct control_op *ops;       /* NULL or ended by {0}; host/control.h */
+	const struct control_fault *faults; /* NULL or ended by {0}; host/control.h */
+	/* After the options, before the kernel. Carried data is there (host/carry.h). 0; else it
+	 * has said why. */
+	int (*start)(void);
+	/* The instant of a reset or of the end: outputs fall to their reset state. No blocking. */
+	void (*off)(void);
+	/* Before a reset: carry_put(), carry_fd(). */
+	void (*save)(void);
+	/* The end of the process, in reverse order: close, unlink, free. */
+	void (*stop)(void);
+};
+
+#define HOST_MODULE(var)                                                                           \
+	static const struct host_module var;                                                       \
+	__attribute__((section("host_modules"),                                                    \
+	               used)) static const struct host_module *const var##_entry = &var;           \
+	static const struct host_module var
+
+/* All modules in order; *count of them. */
+const struct host_module *const *host_modules(size_t *count);
+
+/* Calls the hook of every module: start in order (the first failure ends it), the others in
+ * reverse. */
+int host_start(void);
+void host_off(void);
+void host_save(void);
+void host_stop(void);
+
+#endif

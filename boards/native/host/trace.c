@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * --trace FILE: one line per event of the kernel and its devices, "<board time in us> <kind> <name>
+ * <value>". In virtual time the same seed and the same inputs give the same file.
+ */
+#include <errno.h>
+#include <fcntl.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "host/carry.h"
+#include "host/clock.h"
+#include "host/module.h"
+#include "kernel/port.h"
+
+enum {
+	TRACE_BUFFER = 1 << 16,
+	TRACE_WORD = 64,
+	TRACE_LINE = 2 * TRACE_WORD + 48
+};
+
+static const char *path;
+static char text[TRACE_BUFFER];
+static size_t used;
+static int fd = -1;
+
+static void flush(void)
+{
+	size_t done = 0;
+
+	while (fd >= 0 && done < used) {
+		const ssize_t n = write(fd, text + done, used - done);
+
+		if (n < 0 && errno != EINTR) {
+			fprintf(stderr, "pharos: %s: %s; the trace ends here\n", path,
+			        strerror(errno));
+			close(fd);
+			fd = -1;
+		}
+		done += n > 0 ? (size_t)n : 0;
+	}
+	used = 0;
+}
+
+static void put_number(uint64_t value)
+{
+	char digits[20];
+	size_t n = 0;
+
+	do {
+		digits[n++] = (char)('0' + value % 10);
+		value /= 10;
+	} while (value != 0);
+	while (n > 0) {
+		text[used++] = digits[--n];
+	}
+}
+
+static void put_word(const char *word)
+{
+	const size_t length = strnlen(word, TRACE_WORD);
+
+	text[used++] = ' ';
+	memcpy(text + used, word, length);
+	used += length;
+}
+
+void port_trace(const char *kind, const char *name, int64_t value)
+{
+	if (fd < 0) {
+		return;
+	}
+	if (used > sizeof(text) - TRACE_LINE) {
+		flush();
+	}
+	put_number(clock_board_us());
+	put_word(kind);
+	put_word(name != NULL && name[0] != '\0' ? name : "-");
+	text[used++] = ' ';
+	if (value < 0) {
+		text[used++] = '-';
+	}
+	put_number(value < 0 ? 0 - (uint64_t)value : (uint64_t)value);
+	text[used++] = '\n';
+}
+
+static int parse_trace(const char *value, struct host_error *error)
+{
+	if (value[0] == '\0') {
+		return host_error_set(error, "a file name is missing");
+	}
+	path = value;
+	return 0;
+}
+
+static int start(void)
+{
+	if (path == NULL) {
+		return 0;
+	}
+	/* Appending, so that the events after a reset follow those before it. */
+	fd = open(path,
+	          O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | (carry_is_reset() ? 0 : O_TRUNC),
+	          0644);
+	if (fd < 0) {
+		fprintf(stderr, "pharos: --trace: %s: %s\n", path, strerror(errno));
+		return -1;
+	}
+	return 0;
+}
+
+static void stop(void)
+{
+	flush();
+	if (fd >= 0) {
+		close(fd);
+		fd = -1;
+	}
+}
+
+static const struct host_option options[] = {
+	{"trace", "FILE", "write every event of the kernel to FILE, one a line", parse_trace},
+	{0},
+};
+
+HOST_MODULE(trace_module) = {
+	.name = "trace",
+	.order = HOST_ORDER_BASE,
+	.options = options,
+	.start = start,
+	.save = flush,
+	.stop = stop,
+};
