@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * MAVLink endpoint: one system id, up to MAVLINK_COMPONENTS_MAX components, up to
+ * MAVLINK_LINKS_MAX links. Sans-IO: frames and time in, an outbox out.
+ *
+ *   mavlink_illuminator_init(&service, &illuminator, &arbiter, &identity);
+ *   mavlink_endpoint_init(&endpoint, &config);
+ *   mavlink_endpoint_add(&endpoint, now_us, 243, &mavlink_illuminator_profile, &service);
+ *   …
+ *   mavlink_endpoint_receive(&endpoint, now_us, link, bytes, length, &out);  then perform out
+ *   while (mavlink_endpoint_deadline_us(&endpoint) <= now_us) {
+ *           mavlink_endpoint_step(&endpoint, now_us, &out);                  then perform out
+ *   }
+ *
+ * A component is described by a profile of constant tables: commands it carries out, messages it
+ * can send (some of them streams), messages it takes. A new service is a new profile.
+ *
+ * Rules: a frame is for a component when its target is 0 or the component's, in both ids; what is
+ * for others meets silence. An answer goes to the link and ids that the question came from.
+ * Broadcasts go to every link. A link that has only spoken version 1 is spoken to in version 1.
+ * An answer is never more than a few frames, which always fit the outbox; streams that do not fit
+ * leave the deadline in the past, so that the loop above sends them.
+ *
+ * Context: the thread that owns it. Spec: mavlink.io services command, ping, timesync; common.xml.
+ */
+#ifndef PHAROS_PROTO_MAVLINK_ENDPOINT_H
+#define PHAROS_PROTO_MAVLINK_ENDPOINT_H
+
+#include "proto/mavlink/frame.h"
+#include "proto/mavlink/outbox.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define MAVLINK_INTERVAL_OFF INT32_C(-1)
+
+struct mavlink_endpoint;
+struct mavlink_component;
+
+/* What a function of a profile is told: who it works for, when, where the frame came from. */
+struct mavlink_context {
+	struct mavlink_endpoint *endpoint;
+	struct mavlink_component *component;
+	struct mavlink_outbox *out;
+	int64_t now_us;
+	uint8_t link;
+	uint8_t source_system;
+	uint8_t source_component;
+};
+
+/* A command as it came. From COMMAND_INT: param[4], [5] are x and y as floats, param[6] is z. */
+struct mavlink_command {
+	float param[7];
+	uint16_t id;
+};
+
+union mavlink_payload {
+	uint8_t bytes[MAVLINK_PAYLOAD_MAX];
+	uint64_t align;
+};
+
+struct mavlink_message_row;
+
+/* A message that goes out after the acknowledgement, when the result is ACCEPTED. */
+struct mavlink_reply {
+	const struct mavlink_message_row *row; /* NULL: none */
+	uint8_t links;                         /* bit per link */
+	union mavlink_payload payload;
+};
+
+/* Carries the command out; returns a MAV_RESULT. reply->row is NULL when called. */
+struct mavlink_command_row {
+	uint16_t id;
+	uint8_t (*run)(const struct mavlink_context *context, const struct mavlink_command *command,
+		       struct mavlink_reply *reply);
+};
+
+/*
+ * interval_us: of the stream by default; MAVLINK_INTERVAL_OFF: only on request. Flags below.
+ * fill: payload is zeroed, kind.length bytes in wire order. argument: of REQUEST_MESSAGE (param2),
+ * NaN in a stream. Returns a MAV_RESULT; other than ACCEPTED: nothing is sent.
+ */
+struct mavlink_message_row {
+	struct mavlink_kind kind;
+	int32_t interval_us;
+	uint8_t flags;
+	uint8_t (*fill)(const struct mavlink_context *context, float argument, void *payload);
+};
+#define MAVLINK_MESSAGE_FIXED     0x01u /* its interval can't be changed */
+#define MAVLINK_MESSAGE_ON_CHANGE 0x02u /* its stream also tells changes as they happen */
+
+#define MAVLINK_NO_TARGET 0xFFu
+
+/* Offsets of the target ids in the payload, MAVLINK_NO_TARGET: the message has none. */
+struct mavlink_receiver_row {
+	uint32_t id;
+	uint8_t target_system_offset;
+	uint8_t target_component_offset;
+	void (*receive)(const struct mavlink_context *context, const struct mavlink_frame *frame);
+};
+
+struct mavlink_profile {
+	uint8_t type; /* MAV_TYPE */
+	uint8_t command_count;
+	uint8_t message_count; /* at most MAVLINK_MESSAGES_MAX */
+	uint8_t receiver_count;
+	const struct mavlink_command_row *commands;
+	const struct mavlink_message_row *messages;
+	const struct mavlink_receiver_row *receivers;
+	uint8_t (*system_status)(const void *service); /* MAV_STATE */
+	/* The core did something on another's behalf; may be NULL. */
+	void (*observe)(const struct mavlink_context *context,
+			const struct illuminator_outbox *actions);
+};
+
+struct mavlink_stream {
+	int64_t next_us;
+	int64_t sent_us;
+	int32_t interval_us; /* MAVLINK_INTERVAL_OFF: silent */
+};
+
+struct mavlink_component {
+	const struct mavlink_profile *profile;
+	void *service;
+	uint8_t id;
+	uint8_t sequence[MAVLINK_LINKS_MAX];
+	struct mavlink_stream streams[MAVLINK_LINKS_MAX][MAVLINK_MESSAGES_MAX];
+};
+
+struct mavlink_link_stats {
+	uint32_t rx_frames;
+	uint32_t rx_malformed;
+	uint32_t rx_echoes; /* our own frames, come back */
+	uint32_t rx_commands;
+	uint32_t tx_frames;
+};
+
+struct mavlink_link {
+	uint8_t version; /* 0: nothing heard yet, spoken to as 2 */
+	struct mavlink_link_stats stats;
+};
+
+struct mavlink_text {
+	char text[MAVLINK_TEXT_BYTES];
+	uint8_t severity;
+	uint8_t links; /* still to be sent on */
+};
+
+struct mavlink_texts {
+	struct mavlink_text waiting[MAVLINK_TEXTS_MAX];
+	int64_t credited_us;
+	uint8_t first;
+	uint8_t count;
+	uint8_t credit;
+	uint32_t dropped;
+};
+
+/* system_id 1…255. links: bit per link that exists. */
+struct mavlink_endpoint_config {
+	uint8_t system_id;
+	uint8_t links;
+};
+
+/* Readable by the owner; only the functions below write. */
+struct mavlink_endpoint {
+	struct mavlink_endpoint_config config;
+	int64_t due_us;
+	uint8_t component_count;
+	struct mavlink_component components[MAVLINK_COMPONENTS_MAX];
+	struct mavlink_link links[MAVLINK_LINKS_MAX];
+	struct mavlink_texts texts;
+};
+
+/* config asserted. No component yet, so nothing is due. */
+void mavlink_endpoint_init(struct mavlink_endpoint *self,
+			   const struct mavlink_endpoint_config *config);
+
+/*
+ * Adds a component; its streams are due at once. id 1…255 and not there yet, profile and service
+ * outlive the endpoint, at most MAVLINK_COMPONENTS_MAX: all asserted.
+ */
+void mavlink_endpoint_add(struct mavlink_endpoint *self, int64_t now_us, uint8_t id,
+			  const struct mavlink_profile *profile, void *service);
+
+/* Takes the vehicle's system id, 1…255 (asserted). */
+void mavlink_endpoint_set_system_id(struct mavlink_endpoint *self, uint8_t system_id);
+
+/*
+ * bytes: one whole frame that a framer has verified; link < MAVLINK_LINKS_MAX (asserted). *out is
+ * overwritten. What is not one frame is counted and left.
+ */
+void mavlink_endpoint_receive(struct mavlink_endpoint *self, int64_t now_us, uint8_t link,
+			      const uint8_t *bytes, size_t length, struct mavlink_outbox *out);
+
+/* Sends what is due, as much as fits. *out is overwritten. */
+void mavlink_endpoint_step(struct mavlink_endpoint *self, int64_t now_us,
+			   struct mavlink_outbox *out);
+
+/* When step has something to send; TIME_NEVER_US: nothing. */
+int64_t mavlink_endpoint_deadline_us(const struct mavlink_endpoint *self);
+
+/* The core was stepped by someone else (heat, shell, another protocol) and returned actions. */
+void mavlink_endpoint_observe(struct mavlink_endpoint *self, int64_t now_us,
+			      const struct illuminator_outbox *actions);
+
+/*
+ * Tells people on every link. severity: MAV_SEVERITY 0…7. text: cut after MAVLINK_TEXT_BYTES.
+ * false: too many lately; dropped and counted. For one-off events; a caller that may repeat itself
+ * limits its own rate as well.
+ */
+bool mavlink_endpoint_text(struct mavlink_endpoint *self, int64_t now_us, uint8_t severity,
+			   const char *text);
+
+/* --- for profiles ---------------------------------------------------------------------------- */
+
+/*
+ * Sends kind with payload from the context's component on one link. The outbox has room
+ * (asserted). false: the link's version can't carry it.
+ */
+bool mavlink_send(const struct mavlink_context *context, uint8_t link,
+		  const struct mavlink_kind *kind, const void *payload);
+
+/* Tells a change on every link whose stream of an ON_CHANGE message is not off, soon. */
+void mavlink_changed(const struct mavlink_context *context);
+
+#endif

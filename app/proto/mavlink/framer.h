@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Framer: bytes in, in any chunks; verified frames out, pointing into the framer's window.
+ *
+ *   while (size > 0) {
+ *           size_t taken = mavlink_framer_write(&framer, bytes, size);
+ *           bytes += taken, size -= taken;
+ *           while (mavlink_framer_next(&framer, &frame)) { … }
+ *   }
+ *
+ * A frame is verified: its checksum is right, including CRC_EXTRA, for any message of pymavlink's
+ * dialects. An id not known can't be verified and is taken for a false start.
+ * After a false start (bad checksum, unknown id, unknown incompatibility flag) the search goes on
+ * with the very next byte, so no good frame is lost behind a wrong length byte.
+ * Such a length byte may claim bytes that never come: once the line has been silent for some
+ * MAVLINK_FRAMER_IDLE_US, mavlink_framer_idle() finds the good frames behind it.
+ * Signed frames are carried through whole; the signature is checked elsewhere.
+ *
+ * Context: one thread per framer. Spec: mavlink.io/en/guide/serialization.html.
+ */
+#ifndef PHAROS_PROTO_MAVLINK_FRAMER_H
+#define PHAROS_PROTO_MAVLINK_FRAMER_H
+
+#include "proto/mavlink/frame.h"
+
+/* Silence after which a byte that should follow will not: longer than a USB adapter's latency. */
+#define MAVLINK_FRAMER_IDLE_US 50000
+
+struct mavlink_framer_stats {
+	uint32_t frames;
+	uint32_t crc_errors;    /* candidates with a wrong checksum */
+	uint32_t unknown_ids;   /* candidates with an id that no dialect has */
+	uint32_t resyncs;       /* times that a frame was found after bytes had been skipped */
+	uint32_t skipped_bytes; /* bytes that belong to no verified frame */
+};
+
+struct mavlink_framer {
+	struct mavlink_framer_stats stats;
+	uint16_t head;
+	uint16_t tail;
+	bool skipping;
+	uint8_t window[MAVLINK_FRAMER_WINDOW];
+};
+
+void mavlink_framer_init(struct mavlink_framer *self);
+
+/*
+ * Where to put bytes, and how many may follow (*room); then tell how many came. For drivers that
+ * copy themselves. room is at least MAVLINK_FRAME_MAX once mavlink_framer_next has returned false.
+ * Frames handed out before are no longer valid.
+ */
+uint8_t *mavlink_framer_reserve(struct mavlink_framer *self, size_t *room);
+void mavlink_framer_commit(struct mavlink_framer *self, size_t count);
+
+/* Both in one: copies as many bytes as have room, and returns how many. */
+size_t mavlink_framer_write(struct mavlink_framer *self, const uint8_t *bytes, size_t count);
+
+/* The next verified frame, valid until bytes are written. false: more bytes are needed. */
+bool mavlink_framer_next(struct mavlink_framer *self, struct mavlink_frame *frame);
+
+/* Is an unfinished frame waiting for more bytes? */
+bool mavlink_framer_pending(const struct mavlink_framer *self);
+
+/*
+ * The line is silent: looks for a whole frame behind the unfinished one. true: found, and the
+ * unfinished one given up; go on with mavlink_framer_next. false: nothing changed.
+ */
+bool mavlink_framer_idle(struct mavlink_framer *self, struct mavlink_frame *frame);
+
+#endif

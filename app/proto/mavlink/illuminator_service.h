@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The illuminator as a MAVLink component: commands 405 and 406, messages 440, 396 and those that
+ * every component has. Floats of commands 405 and 406 end here; the core has integers.
+ *
+ * ILLUMINATOR_STATUS reports what was commanded. A float comes back exactly as 406 brought it, as
+ * long as it is still what the core holds; after a change by someone else it is the core's value.
+ *
+ * Context: the endpoint's. Spec: MAVLink common 405, 406, 440, 396.
+ */
+#ifndef PHAROS_PROTO_MAVLINK_ILLUMINATOR_SERVICE_H
+#define PHAROS_PROTO_MAVLINK_ILLUMINATOR_SERVICE_H
+
+#include "core/arbiter.h"
+#include "core/illuminator.h"
+#include "proto/mavlink/endpoint.h"
+#include "proto/mavlink/identity.h"
+
+/* A number of the wire and what it means to the core. */
+struct mavlink_echo {
+	float wire;
+	uint32_t core;
+};
+
+struct mavlink_illuminator {
+	struct illuminator *illuminator;
+	struct arbiter *arbiter;
+	const struct mavlink_identity *identity;
+	struct mavlink_echo brightness;
+	struct mavlink_echo period;
+	struct mavlink_echo duty;
+	int64_t noticed_us[MAVLINK_NOTICE_KINDS]; /* -1: never */
+};
+
+extern const struct mavlink_profile mavlink_illuminator_profile;
+
+/* All outlive the service. */
+void mavlink_illuminator_init(struct mavlink_illuminator *self, struct illuminator *illuminator,
+			      struct arbiter *arbiter, const struct mavlink_identity *identity);
+
+#endif

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What the endpoint wants done: first the core's actions, then the frames in their order. So state
+ * is in force before its acknowledgement leaves.
+ */
+#ifndef PHAROS_PROTO_MAVLINK_OUTBOX_H
+#define PHAROS_PROTO_MAVLINK_OUTBOX_H
+
+#include "core/illuminator.h"
+#include "proto/mavlink/limits.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct mavlink_outbox_frame {
+	uint16_t offset; /* into bytes */
+	uint16_t length;
+	uint8_t link;
+};
+
+struct mavlink_outbox {
+	struct illuminator_outbox core;
+	uint16_t count;
+	uint16_t used;
+	struct mavlink_outbox_frame frames[MAVLINK_OUTBOX_FRAMES];
+	uint8_t bytes[MAVLINK_OUTBOX_BYTES];
+};
+
+static inline void mavlink_outbox_clear(struct mavlink_outbox *self)
+{
+	self->core.count = 0;
+	self->count = 0;
+	self->used = 0;
+}
+
+/* Does a frame of any length fit? */
+static inline bool mavlink_outbox_has_room(const struct mavlink_outbox *self)
+{
+	return self->count < MAVLINK_OUTBOX_FRAMES &&
+	       self->used + MAVLINK_FRAME_MAX <= MAVLINK_OUTBOX_BYTES;
+}
+
+#endif
