@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Wiring and the thread table.
+ *
+ * The strobe is not in the table: it is a timer (threads/strobe.c). The shell's thread is Zephyr's.
+ */
+#include <zephyr/kernel.h>
+#include <zephyr/logging/log.h>
+
+#include "threads/command.h"
+#include "threads/devices.h"
+#include "threads/reset_cause.h"
+#include "threads/storage.h"
+#include "threads/supervisor.h"
+#include "threads/thermal.h"
+#include "threads/uart_link.h"
+#include "version.h"
+
+LOG_MODULE_REGISTER(main);
+
+struct thread_row {
+	const char *name;
+	int priority;
+	k_thread_entry_t run;
+	void *argument;
+	k_thread_stack_t *stack;
+	size_t stack_size;
+	struct k_thread *thread;
+};
+
+/* Declares a thread's stack and control block. */
+#define THREAD(name_, stack_size_)                                                                 \
+	static K_THREAD_STACK_DEFINE(name_##_stack, stack_size_);                                  \
+	static struct k_thread name_##_thread
+
+/* A row of the table. */
+#define ROW(name_, priority_, run_, argument_)                                                     \
+	{                                                                                          \
+		.name = #name_, .priority = (priority_), .run = (run_), .argument = (argument_),   \
+		.stack = name_##_stack, .stack_size = K_THREAD_STACK_SIZEOF(name_##_stack),        \
+		.thread = &name_##_thread,                                                         \
+	}
+
+THREAD(supervisor, CONFIG_PHAROS_SUPERVISOR_STACK_SIZE);
+THREAD(thermal, CONFIG_PHAROS_THERMAL_STACK_SIZE);
+THREAD(command, CONFIG_PHAROS_COMMAND_STACK_SIZE);
+THREAD(uart_link0, CONFIG_PHAROS_LINK_STACK_SIZE);
+THREAD(uart_link1, CONFIG_PHAROS_LINK_STACK_SIZE);
+THREAD(uart_link2, CONFIG_PHAROS_LINK_STACK_SIZE);
+THREAD(uart_link3, CONFIG_PHAROS_LINK_STACK_SIZE);
+THREAD(storage, CONFIG_PHAROS_STORAGE_STACK_SIZE);
+
+static const struct thread_row threads[] = {
+	ROW(supervisor, 0, supervisor_run, NULL),
+	ROW(thermal, 1, thermal_thread_run, NULL),
+	ROW(command, 3, command_run, NULL),
+	ROW(uart_link0, 4, uart_link_run, (void *)0),
+	ROW(uart_link1, 4, uart_link_run, (void *)1),
+	ROW(uart_link2, 4, uart_link_run, (void *)2),
+	ROW(uart_link3, 4, uart_link_run, (void *)3),
+	ROW(storage, 10, storage_run, NULL),
+};
+
+static void start(const struct thread_row *row)
+{
+	k_thread_create(row->thread, row->stack, row->stack_size, row->run, row->argument, NULL,
+			NULL, row->priority, 0, K_FOREVER);
+	k_thread_name_set(row->thread, row->name);
+	k_thread_start(row->thread);
+}
+
+int main(void)
+{
+	char cause[RESET_CAUSE_TEXT_MAX];
+
+	reset_cause_init();
+	reset_cause_text(cause);
+	LOG_INF("Pharos %s, reset cause: %s", PHAROS_VERSION, cause);
+	if (devices_check() != 0) {
+		return 0; /* dark and silent: a lamp without its sensor or watchdog never lights */
+	}
+	command_init();
+
+	const int error = supervisor_init();
+
+	if (error != 0) {
+		LOG_ERR("watchdog: error %d; not starting", error);
+		return 0;
+	}
+	for (size_t i = 0; i < ARRAY_SIZE(threads); i++) {
+		start(&threads[i]);
+	}
+	return 0;
+}

@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The command thread owns all protocol state and the core state that commands change, so nothing in
+ * it needs a lock. Others reach it through its queue: frames, thermal reports, and calls that run a
+ * function inside it.
+ */
+#ifndef PHAROS_THREADS_COMMAND_H
+#define PHAROS_THREADS_COMMAND_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/arbiter.h"
+#include "core/illuminator.h"
+#include "core/params.h"
+#include "proto/mavlink/endpoint.h"
+#include "threads/link.h"
+
+/* What the command thread owns. Only a function given to command_call() may touch it. */
+struct command {
+	struct illuminator illuminator;
+	struct arbiter arbiter;
+	struct params params;
+	struct mavlink_endpoint mavlink;
+};
+
+struct command_stats {
+	uint32_t frames;
+	uint32_t thermal_reports;
+	uint32_t calls;
+	uint32_t reports_dropped; /* the queue was full: the next report comes in 100 ms */
+};
+
+/* Before the threads start. */
+void command_init(void);
+
+/*
+ * A frame from the pool, whose buffer now is the command thread's. Waits for room up to one report
+ * period; -EAGAIN: none came, the frame stays the caller's. Link threads.
+ */
+int command_post_frame(struct link_frame *frame);
+
+/* Never waits; a full queue drops the report and counts. Thermal thread. */
+void command_post_thermal(const struct thermal_report *report);
+
+/*
+ * Runs function(command, argument) in the command thread and returns what it returned. Waits for
+ * it. Any thread but the command thread.
+ */
+int command_call(int (*function)(struct command *command, void *argument), void *argument);
+
+/*
+ * From functions that run in the command thread: a command from a source other than MAVLink. Asks
+ * the arbiter; when it grants, applies the event, sets *result, and performs what follows.
+ */
+enum arbiter_verdict command_apply(struct command *command, enum arbiter_source source,
+				   const struct illuminator_event *event,
+				   enum illuminator_result *result);
+
+/*
+ * From functions that run in the command thread: change a parameter, tell those concerned, store it.
+ * name: length bytes, need not be terminated. Results as params_set.
+ */
+enum params_result command_set_param(struct command *command, const char *name, size_t length,
+				     int32_t value);
+void command_reset_params(struct command *command);
+
+/* Counters; any thread. */
+struct command_stats command_stats_get(void);
+
+/* Thread entry. */
+void command_run(void *, void *, void *);
+
+#endif

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "threads/devices.h"
+
+#include <errno.h>
+
+#include <zephyr/devicetree.h>
+#include <zephyr/logging/log.h>
+#include <zephyr/sys/util.h>
+
+LOG_MODULE_REGISTER(devices);
+
+const struct devices devices = {
+	.light = DEVICE_DT_GET(DT_ALIAS(light0)),
+	.thermistor = DEVICE_DT_GET(DT_ALIAS(thermistor0)),
+	.watchdog = DEVICE_DT_GET(DT_ALIAS(watchdog0)),
+	.probe = DEVICE_DT_GET_OR_NULL(DT_ALIAS(probe0)),
+	.uart_links =
+		{
+			DEVICE_DT_GET_OR_NULL(DT_ALIAS(uart_link0)),
+			DEVICE_DT_GET_OR_NULL(DT_ALIAS(uart_link1)),
+			DEVICE_DT_GET_OR_NULL(DT_ALIAS(uart_link2)),
+			DEVICE_DT_GET_OR_NULL(DT_ALIAS(uart_link3)),
+		},
+	.sync_input = GPIO_DT_SPEC_GET_OR(DT_ALIAS(sync_input), gpios, {0}),
+};
+
+static int device_check(const struct device *device)
+{
+	if (device != NULL && !device_is_ready(device)) {
+		LOG_ERR("%s is not ready", device->name);
+		return -ENODEV;
+	}
+	return 0;
+}
+
+int devices_check(void)
+{
+	const struct device *const all[] = {
+		devices.light,         devices.thermistor,    devices.watchdog,
+		devices.probe,         devices.uart_links[0], devices.uart_links[1],
+		devices.uart_links[2], devices.uart_links[3], devices.sync_input.port,
+	};
+	int error = 0;
+
+	for (size_t i = 0; i < ARRAY_SIZE(all); i++) {
+		const int result = device_check(all[i]);
+
+		error = result != 0 ? result : error;
+	}
+	return error;
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The board's devices, by what the application uses them for. devices.c is the one file of the
+ * application with devicetree names: a port to another board is an overlay with these aliases.
+ */
+#ifndef PHAROS_THREADS_DEVICES_H
+#define PHAROS_THREADS_DEVICES_H
+
+#include <zephyr/device.h>
+#include <zephyr/drivers/gpio.h>
+
+#include "threads/limits.h"
+
+struct devices {
+	const struct device *light;
+	const struct device *thermistor;
+	const struct device *watchdog;
+	const struct device *probe;                      /* NULL: the board has none */
+	const struct device *uart_links[UART_LINKS_MAX]; /* NULL: not on this board */
+	struct gpio_dt_spec sync_input;                  /* .port NULL: not on this board */
+};
+
+extern const struct devices devices;
+
+/* 0, or -ENODEV after logging each device that the board has but that failed to start. */
+int devices_check(void);
+
+#endif

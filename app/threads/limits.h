@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Bounds of the threads and their queues, and how they relate. RAM on the smallest board is spent
+ * here.
+ */
+#ifndef PHAROS_THREADS_LIMITS_H
+#define PHAROS_THREADS_LIMITS_H
+
+#include "proto/mavlink/framer.h"
+
+#define UART_LINKS_MAX 4
+#define LINKS_MAX      UART_LINKS_MAX
+
+/* Bytes of a UART's receive ring: 22 ms at 921600 baud. */
+#define UART_RX_RING_SIZE 2048
+/* Bytes of its transmit ring; each frame takes two more for its length. */
+#define UART_TX_RING_SIZE 2048
+
+/* Frames between the link threads and the command thread; a full pool makes a link thread wait. */
+#define LINK_FRAMES_MAX 8
+/* Requests to the command thread: every frame, and a few reports and calls besides. */
+#define COMMAND_QUEUE_MAX 16
+
+_Static_assert(COMMAND_QUEUE_MAX > LINK_FRAMES_MAX, "frames leave room for reports and calls");
+_Static_assert(UART_TX_RING_SIZE >= 4 * (MAVLINK_FRAME_MAX + 2), "an answer and its streams fit");
+
+#endif

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Links carry MAVLink frames and know no meaning. A frame received goes to the command thread in a
+ * buffer of the pool; a frame sent is copied whole into the link's queue, or refused and counted.
+ */
+#ifndef PHAROS_THREADS_LINK_H
+#define PHAROS_THREADS_LINK_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "proto/mavlink/framer.h"
+#include "threads/limits.h"
+
+struct link_frame {
+	uint8_t link; /* 0…LINKS_MAX - 1 */
+	uint16_t length;
+	uint8_t bytes[MAVLINK_FRAME_MAX];
+};
+
+struct link_stats {
+	uint32_t rx_bytes;
+	uint32_t rx_frames;
+	uint32_t rx_overruns; /* times the receive ring was full, or the hardware said so */
+	uint32_t rx_errors;   /* framing, parity, noise, break */
+	uint32_t tx_frames;
+	uint32_t tx_bytes;
+	uint32_t tx_dropped; /* frames refused because the queue was full */
+	struct mavlink_framer_stats framer;
+};
+
+/*
+ * frame: 1…MAVLINK_FRAME_MAX bytes, sent as one write. Command thread only. 0; -ENODEV: no such
+ * link; -ENOBUFS: the queue is full, counted.
+ */
+int link_send(uint8_t link, const uint8_t *frame, size_t length);
+
+/* Free bytes in the send queue; 0 when there is no such link. Command thread only. */
+size_t link_space(uint8_t link);
+
+/* Bit per link that exists on this board. */
+uint32_t link_mask(void);
+
+/* Counters of a link. Any thread. -ENODEV: no such link. */
+int link_stats_get(uint8_t link, struct link_stats *stats);
+
+/* Short name of an existing link, "uart0", … */
+const char *link_name(uint8_t link);
+
+/* Gives a received frame's buffer back to the pool. Command thread only. */
+void link_frame_free(struct link_frame *frame);
+
+#endif

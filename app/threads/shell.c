@@ -1,0 +1,324 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The device's own shell commands: light, thermal, link, param, reset, version.
+ *
+ * A command's function runs in the shell's thread; what touches the light runs in the command
+ * thread through command_call(). Numbers are read and printed without floating point.
+ */
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <zephyr/kernel.h>
+#include <zephyr/shell/shell.h>
+#include <zephyr/sys/reboot.h>
+
+#include <pharos/drivers/light.h>
+
+#include "threads/clock.h"
+#include "threads/command.h"
+#include "threads/devices.h"
+#include "threads/fixed.h"
+#include "threads/link.h"
+#include "threads/reset_cause.h"
+#include "threads/strobe.h"
+#include "threads/thermal.h"
+#include "version.h"
+
+#define PPM_PER_PERCENT_DECIMALS 4 /* 1 % = 10 000 ppm */
+#define US_PER_S_DECIMALS        6
+
+/* --- light ------------------------------------------------------------------------------------ */
+
+struct light_request {
+	struct illuminator_event event;
+	enum illuminator_result result;
+	enum arbiter_verdict verdict;
+};
+
+static int apply(struct command *command, void *argument)
+{
+	struct light_request *const request = argument;
+
+	request->verdict =
+		command_apply(command, ARBITER_SOURCE_SHELL, &request->event, &request->result);
+	return 0;
+}
+
+/* Carries the event out and says what became of it. */
+static int light_command(const struct shell *sh, const struct illuminator_event *event)
+{
+	struct light_request request = {.event = *event};
+
+	command_call(apply, &request);
+	if (request.verdict == ARBITER_EXCLUDED) {
+		shell_error(sh, "the shell may not command (see: param get LGT_SRC_EXCL)");
+		return -EACCES;
+	}
+	if (request.verdict == ARBITER_OUTRANKED) {
+		shell_error(sh, "not now: another source is in command (see: light status)");
+		return -EBUSY;
+	}
+	switch (request.result) {
+	case ILLUMINATOR_ACCEPTED:
+		shell_print(sh, "ok");
+		return 0;
+	case ILLUMINATOR_DENIED:
+		shell_error(sh, "out of range; nothing changed (see: light status)");
+		return -EINVAL;
+	case ILLUMINATOR_FAILED:
+		shell_error(sh, "not now: over temperature (see: thermal)");
+		return -EAGAIN;
+	}
+	return -EINVAL;
+}
+
+static int cmd_light_on(const struct shell *sh, size_t argc, char **argv)
+{
+	const struct illuminator_event event = {.kind = ILLUMINATOR_EVENT_ON_OFF, .on_off = true};
+
+	return light_command(sh, &event);
+}
+
+static int cmd_light_off(const struct shell *sh, size_t argc, char **argv)
+{
+	const struct illuminator_event event = {.kind = ILLUMINATOR_EVENT_ON_OFF, .on_off = false};
+
+	return light_command(sh, &event);
+}
+
+static int copy_illuminator(struct command *command, void *argument)
+{
+	*(struct illuminator *)argument = command->illuminator;
+	return 0;
+}
+
+/* The CONFIGURE event that keeps everything as it is. */
+static struct illuminator_event configure_as_is(void)
+{
+	struct illuminator now;
+
+	command_call(copy_illuminator, &now);
+	return (struct illuminator_event){
+		.kind = ILLUMINATOR_EVENT_CONFIGURE,
+		.configure =
+			{
+				.mode = now.settings.mode,
+				.brightness_ppm = now.settings.brightness_ppm,
+				.strobe_period_us = now.settings.strobe_period_us,
+				.duty_ppm = now.settings.duty_ppm,
+			},
+	};
+}
+
+/* One number of `light set`: argv[1] into *value, scaled by 10^decimals. */
+static int parse_value(const struct shell *sh, char **argv, unsigned int decimals,
+		       const char *unit, uint32_t *value)
+{
+	int64_t parsed;
+
+	if (!fixed_parse(argv[1], decimals, &parsed) || parsed < 0 || parsed > UINT32_MAX) {
+		shell_error(sh, "%s: '%s' is not a number of %s, such as 40 or 0.5", argv[0],
+			    argv[1], unit);
+		return -EINVAL;
+	}
+	*value = (uint32_t)parsed;
+	return 0;
+}
+
+static int cmd_light_brightness(const struct shell *sh, size_t argc, char **argv)
+{
+	struct illuminator_event event = configure_as_is();
+	const int error = parse_value(sh, argv, PPM_PER_PERCENT_DECIMALS, "percent",
+				      &event.configure.brightness_ppm);
+
+	return error != 0 ? error : light_command(sh, &event);
+}
+
+static int cmd_light_period(const struct shell *sh, size_t argc, char **argv)
+{
+	struct illuminator_event event = configure_as_is();
+	const int error = parse_value(sh, argv, US_PER_S_DECIMALS, "seconds",
+				      &event.configure.strobe_period_us);
+
+	return error != 0 ? error : light_command(sh, &event);
+}
+
+static int cmd_light_duty(const struct shell *sh, size_t argc, char **argv)
+{
+	struct illuminator_event event = configure_as_is();
+	const int error = parse_value(sh, argv, PPM_PER_PERCENT_DECIMALS, "percent",
+				      &event.configure.duty_ppm);
+
+	return error != 0 ? error : light_command(sh, &event);
+}
+
+static int cmd_light_mode(const struct shell *sh, size_t argc, char **argv)
+{
+	struct illuminator_event event = configure_as_is();
+
+	if (strcmp(argv[1], "internal") == 0) {
+		event.configure.mode = ILLUMINATOR_MODE_INTERNAL;
+	} else if (strcmp(argv[1], "sync") == 0) {
+		event.configure.mode = ILLUMINATOR_MODE_EXTERNAL_SYNC;
+	} else {
+		shell_error(sh, "mode: '%s' is neither internal nor sync", argv[1]);
+		return -EINVAL;
+	}
+	return light_command(sh, &event);
+}
+
+/* "label  12.5 unit", without trailing zeros. */
+static void print_fixed(const struct shell *sh, const char *label, int64_t value,
+			unsigned int decimals, const char *unit)
+{
+	char text[FIXED_TEXT_MAX];
+
+	fixed_format(text, value, decimals);
+	shell_print(sh, "%-14s%s %s", label, text, unit);
+}
+
+static int cmd_light_status(const struct shell *sh, size_t argc, char **argv)
+{
+	struct illuminator now;
+	struct light_state light;
+
+	command_call(copy_illuminator, &now);
+	light_get(devices.light, &light);
+	shell_print(sh, "%-14s%s", "enable", now.settings.enable ? "on" : "off");
+	shell_print(sh, "%-14s%s", "mode",
+		    now.settings.mode == ILLUMINATOR_MODE_INTERNAL ? "internal" : "external sync");
+	print_fixed(sh, "brightness", now.settings.brightness_ppm, PPM_PER_PERCENT_DECIMALS, "%");
+	if (now.settings.strobe_period_us == 0) {
+		shell_print(sh, "%-14snone", "strobe");
+	} else {
+		print_fixed(sh, "strobe period", now.settings.strobe_period_us, US_PER_S_DECIMALS,
+			    "s");
+		print_fixed(sh, "strobe duty", now.settings.duty_ppm, PPM_PER_PERCENT_DECIMALS,
+			    "%");
+	}
+	print_fixed(sh, "limit", light.limit_ppm, PPM_PER_PERCENT_DECIMALS, "% of full power");
+	print_fixed(sh, "output now", light.output_ppm, PPM_PER_PERCENT_DECIMALS,
+		    "% of full power");
+	return 0;
+}
+
+SHELL_STATIC_SUBCMD_SET_CREATE(
+	light_set_commands,
+	SHELL_CMD_ARG(brightness, NULL, "PERCENT  0 to 100", cmd_light_brightness, 2, 0),
+	SHELL_CMD_ARG(duty, NULL, "PERCENT  lit part of a strobe period; 100: always, 0: no strobe",
+		      cmd_light_duty, 2, 0),
+	SHELL_CMD_ARG(mode, NULL, "internal|sync", cmd_light_mode, 2, 0),
+	SHELL_CMD_ARG(period, NULL, "SECONDS  of the strobe; 0: none", cmd_light_period, 2, 0),
+	SHELL_SUBCMD_SET_END);
+
+SHELL_STATIC_SUBCMD_SET_CREATE(
+	light_commands, SHELL_CMD_ARG(off, NULL, "Lamp off", cmd_light_off, 1, 0),
+	SHELL_CMD_ARG(on, NULL, "Lamp on", cmd_light_on, 1, 0),
+	SHELL_CMD(set, &light_set_commands, "Change one setting", NULL),
+	SHELL_CMD_ARG(status, NULL, "What was commanded, and what the lamp does",
+		      cmd_light_status, 1, 0),
+	SHELL_SUBCMD_SET_END);
+
+SHELL_CMD_REGISTER(light, &light_commands, "The lamp", NULL);
+
+/* --- thermal ---------------------------------------------------------------------------------- */
+
+static int cmd_thermal(const struct shell *sh, size_t argc, char **argv)
+{
+	struct thermal thermal;
+
+	thermal_thread_get(&thermal);
+	const struct thermal_report *const report = &thermal.report;
+
+	shell_print(sh, "%-14s%s", "state", thermal_state_name(report->state));
+	if (report->temp_valid) {
+		print_fixed(sh, "temperature", report->temp_mdegc, 3, "degC");
+		shell_print(sh, "%-14sok", "sensor");
+	} else {
+		shell_print(sh, "%-14s%s", "sensor",
+			    report->sensor == THERMAL_SENSOR_WAITING
+				    ? "waiting"
+				    : thermal_fault_name(report->fault));
+	}
+	print_fixed(sh, "limit", report->limit_ppm, PPM_PER_PERCENT_DECIMALS, "% of full power");
+	print_fixed(sh, "throttle at", thermal.config.throttle_mdegc, 3, "degC");
+	print_fixed(sh, "shutdown at", thermal.config.shutdown_mdegc, 3, "degC");
+	print_fixed(sh, "recover below", thermal.config.recover_mdegc, 3, "degC");
+	shell_print(sh, "%-14s%u (%u bad), %u sensor failures, %u shutdowns", "samples",
+		    thermal.stats.samples, thermal.stats.bad_samples,
+		    thermal.stats.sensor_failures, thermal.stats.shutdowns);
+	return 0;
+}
+
+SHELL_CMD_ARG_REGISTER(thermal, NULL, "Temperature, limit and thresholds", cmd_thermal, 1, 0);
+
+/* --- link ------------------------------------------------------------------------------------- */
+
+static void print_link(const struct shell *sh, uint8_t link)
+{
+	struct link_stats stats;
+
+	if (link_stats_get(link, &stats) != 0) {
+		return;
+	}
+	shell_print(sh, "%-7s rx %u frames, %u bytes; overruns %u, line errors %u, bad frames %u, "
+			"skipped bytes %u",
+		    link_name(link), stats.rx_frames, stats.rx_bytes, stats.rx_overruns,
+		    stats.rx_errors, stats.framer.crc_errors, stats.framer.skipped_bytes);
+	shell_print(sh, "%-7s tx %u frames, %u bytes; dropped %u", "", stats.tx_frames,
+		    stats.tx_bytes, stats.tx_dropped);
+}
+
+static int cmd_link_stats(const struct shell *sh, size_t argc, char **argv)
+{
+	for (uint8_t link = 0; link < LINKS_MAX; link++) {
+		print_link(sh, link);
+	}
+	const struct command_stats stats = command_stats_get();
+
+	shell_print(sh, "command frames %u, thermal reports %u (%u dropped), calls %u",
+		    stats.frames, stats.thermal_reports, stats.reports_dropped, stats.calls);
+	return 0;
+}
+
+SHELL_STATIC_SUBCMD_SET_CREATE(
+	link_commands,
+	SHELL_CMD_ARG(stats, NULL, "Counters of every link", cmd_link_stats, 1, 0),
+	SHELL_SUBCMD_SET_END);
+
+SHELL_CMD_REGISTER(link, &link_commands, "Links", NULL);
+
+/* --- reset, version --------------------------------------------------------------------------- */
+
+static int cmd_reset_cause(const struct shell *sh, size_t argc, char **argv)
+{
+	char text[RESET_CAUSE_TEXT_MAX];
+
+	reset_cause_text(text);
+	shell_print(sh, "%s", text);
+	return 0;
+}
+
+static int cmd_reset_now(const struct shell *sh, size_t argc, char **argv)
+{
+	light_off_now(devices.light);
+	sys_reboot(SYS_REBOOT_COLD);
+	return 0;
+}
+
+SHELL_STATIC_SUBCMD_SET_CREATE(
+	reset_commands,
+	SHELL_CMD_ARG(cause, NULL, "Why the light last started", cmd_reset_cause, 1, 0),
+	SHELL_CMD_ARG(now, NULL, "Lamp off, and start anew", cmd_reset_now, 1, 0),
+	SHELL_SUBCMD_SET_END);
+
+SHELL_CMD_REGISTER(reset, &reset_commands, "Resets", NULL);
+
+static int cmd_version(const struct shell *sh, size_t argc, char **argv)
+{
+	shell_print(sh, "Pharos %s", PHAROS_VERSION);
+	return 0;
+}
+
+SHELL_CMD_ARG_REGISTER(version, NULL, "Version of the firmware", cmd_version, 1, 0);

@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Shell commands for the device's parameters: param list, get, set, reset.
+ */
+#include <errno.h>
+#include <string.h>
+
+#include <zephyr/shell/shell.h>
+
+#include "threads/command.h"
+#include "threads/fixed.h"
+
+static void print_param(const struct shell *sh, const struct params *params, uint32_t index)
+{
+	const struct param_info *const info = params_info(index);
+
+	shell_print(sh, "%-16s %10d %-8s %d to %d, default %d%s%s  %s", info->name,
+		    params->values[index], info->unit, info->min, info->max, info->fallback,
+		    (info->flags & PARAM_FLAG_REBOOT) != 0 ? ", after reset" : "",
+		    (info->flags & PARAM_FLAG_READ_ONLY) != 0 ? ", read-only" : "", info->meaning);
+}
+
+static int copy_params(struct command *command, void *argument)
+{
+	*(struct params *)argument = command->params;
+	return 0;
+}
+
+/* Those whose name begins with the word; how many there were. */
+static int print_matching(const struct shell *sh, const char *word)
+{
+	struct params params;
+	int found = 0;
+
+	command_call(copy_params, &params);
+	for (uint32_t index = 0; index < PARAM_COUNT; index++) {
+		if (strncmp(params_info(index)->name, word, strlen(word)) == 0) {
+			print_param(sh, &params, index);
+			found++;
+		}
+	}
+	return found;
+}
+
+static int cmd_param_list(const struct shell *sh, size_t argc, char **argv)
+{
+	print_matching(sh, "");
+	return 0;
+}
+
+static int cmd_param_get(const struct shell *sh, size_t argc, char **argv)
+{
+	if (print_matching(sh, argv[1]) == 0) {
+		shell_error(sh, "no parameter begins with '%s' (see: param list)", argv[1]);
+		return -ENOENT;
+	}
+	return 0;
+}
+
+struct param_request {
+	const char *name;
+	int32_t value;
+	enum params_result result;
+};
+
+static int set_param(struct command *command, void *argument)
+{
+	struct param_request *const request = argument;
+
+	request->result = command_set_param(command, request->name, strlen(request->name),
+					    request->value);
+	return 0;
+}
+
+static int cmd_param_set(const struct shell *sh, size_t argc, char **argv)
+{
+	struct param_request request = {.name = argv[1]};
+	int64_t value;
+
+	if (!fixed_parse(argv[2], 0, &value) || value < INT32_MIN || value > INT32_MAX) {
+		shell_error(sh, "'%s' is not a whole number", argv[2]);
+		return -EINVAL;
+	}
+	request.value = (int32_t)value;
+	command_call(set_param, &request);
+	switch (request.result) {
+	case PARAMS_OK:
+		print_matching(sh, argv[1]);
+		return 0;
+	case PARAMS_UNKNOWN:
+		shell_error(sh, "no parameter '%s' (see: param list)", argv[1]);
+		return -ENOENT;
+	case PARAMS_READ_ONLY:
+		shell_error(sh, "%s is read-only", argv[1]);
+		return -EACCES;
+	case PARAMS_OUT_OF_RANGE:
+		shell_error(sh, "%s is out of range (see: param get %s)", argv[2], argv[1]);
+		return -ERANGE;
+	case PARAMS_CONFLICT:
+		shell_error(sh, "%s does not go with a related parameter (see: param get %.4s)",
+			    argv[2], argv[1]);
+		return -ERANGE;
+	}
+	return -EINVAL;
+}
+
+static int reset_params(struct command *command, void *argument)
+{
+	command_reset_params(command);
+	return 0;
+}
+
+static int cmd_param_reset(const struct shell *sh, size_t argc, char **argv)
+{
+	command_call(reset_params, NULL);
+	shell_print(sh, "all parameters are at their defaults");
+	return 0;
+}
+
+SHELL_STATIC_SUBCMD_SET_CREATE(
+	param_commands,
+	SHELL_CMD_ARG(get, NULL, "NAME  one parameter, or all that begin so", cmd_param_get, 2, 0),
+	SHELL_CMD_ARG(list, NULL, "All parameters", cmd_param_list, 1, 0),
+	SHELL_CMD_ARG(reset, NULL, "Everything back to its default", cmd_param_reset, 1, 0),
+	SHELL_CMD_ARG(set, NULL, "NAME VALUE  change one parameter", cmd_param_set, 3, 0),
+	SHELL_SUBCMD_SET_END);
+
+SHELL_CMD_REGISTER(param, &param_commands, "Parameters", NULL);

@@ -1,0 +1,208 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "threads/storage.h"
+
+#include <errno.h>
+#include <string.h>
+
+#include <zephyr/kernel.h>
+#include <zephyr/logging/log.h>
+#include <zephyr/settings/settings.h>
+#include <zephyr/sys/printk.h>
+
+LOG_MODULE_REGISTER(storage);
+
+#define SUBTREE      "pharos"
+#define LIGHT_NAME   SUBTREE "/light"
+#define PARAM_PREFIX SUBTREE "/param/"
+#define NAME_MAX     (sizeof(PARAM_PREFIX) + PARAMS_NAME_MAX)
+
+#define LIGHT_SETTLE_MS 1000
+
+/* How the settings lie in the store: little endian on every target, versioned by its length. */
+struct stored_light {
+	uint32_t brightness_ppm;
+	uint32_t strobe_period_us;
+	uint32_t duty_ppm;
+	uint8_t mode;
+	uint8_t enable;
+	uint8_t reserved[2];
+};
+
+/* What is to be written; changed under irq_lock(). */
+static struct {
+	uint64_t params;
+	int32_t values[PARAM_COUNT];
+	bool light;
+	struct stored_light settings;
+} pending;
+static struct storage_stats stats;
+static K_SEM_DEFINE(requested, 0, 1);
+
+/* --- load ------------------------------------------------------------------------------------- */
+
+struct loading {
+	int32_t values[PARAM_COUNT];
+	struct stored_light light;
+	bool has_light;
+};
+
+static int load_param(struct loading *loading, const char *name, size_t length,
+		      settings_read_cb read, void *arg)
+{
+	const uint32_t index = params_find(name, strlen(name));
+	int32_t value;
+
+	if (index == PARAM_COUNT || length != sizeof(value) ||
+	    read(arg, &value, sizeof(value)) != (ssize_t)sizeof(value)) {
+		stats.refused++;
+		return 0;
+	}
+	loading->values[index] = value;
+	return 0;
+}
+
+static int load_one(const char *key, size_t length, settings_read_cb read, void *arg, void *param)
+{
+	struct loading *const loading = param;
+	const char *rest;
+
+	if (settings_name_steq(key, "param", &rest) && rest != NULL) {
+		return load_param(loading, rest, length, read, arg);
+	}
+	if (settings_name_steq(key, "light", &rest) && rest == NULL &&
+	    length == sizeof(loading->light)) {
+		loading->has_light = read(arg, &loading->light, length) == (ssize_t)length;
+	}
+	return 0;
+}
+
+int storage_load(struct params *params, struct illuminator_settings *light, bool *has_light)
+{
+	struct loading loading = {.has_light = false};
+	int error = settings_subsys_init();
+
+	memcpy(loading.values, params->values, sizeof(loading.values));
+	if (error == 0) {
+		error = settings_load_subtree_direct(SUBTREE, load_one, &loading);
+	}
+	if (error != 0) {
+		LOG_ERR("cannot load: error %d; defaults apply", error);
+		stats.last_error = error;
+		stats.failures++;
+		*has_light = false;
+		return error;
+	}
+	const uint64_t refused = params_load(params, loading.values);
+
+	for (uint32_t index = 0; index < PARAM_COUNT; index++) {
+		if ((refused & PARAM_MASK(index)) != 0) {
+			LOG_WRN("stored %s does not fit; default applies",
+				params_info(index)->name);
+			stats.refused++;
+		}
+	}
+	*has_light = loading.has_light;
+	*light = (struct illuminator_settings){
+		.enable = loading.light.enable != 0,
+		.mode = (enum illuminator_mode)loading.light.mode,
+		.brightness_ppm = loading.light.brightness_ppm,
+		.strobe_period_us = loading.light.strobe_period_us,
+		.duty_ppm = loading.light.duty_ppm,
+	};
+	return 0;
+}
+
+/* --- save ------------------------------------------------------------------------------------- */
+
+void storage_save_params(const struct params *params, uint64_t mask)
+{
+	const unsigned int key = irq_lock();
+
+	pending.params |= mask;
+	memcpy(pending.values, params->values, sizeof(pending.values));
+	irq_unlock(key);
+	k_sem_give(&requested);
+}
+
+void storage_save_light(const struct illuminator_settings *light)
+{
+	const unsigned int key = irq_lock();
+
+	pending.light = true;
+	pending.settings = (struct stored_light){
+		.brightness_ppm = light->brightness_ppm,
+		.strobe_period_us = light->strobe_period_us,
+		.duty_ppm = light->duty_ppm,
+		.mode = (uint8_t)light->mode,
+		.enable = light->enable,
+	};
+	irq_unlock(key);
+	k_sem_give(&requested);
+}
+
+struct storage_stats storage_stats_get(void)
+{
+	const unsigned int key = irq_lock();
+	const struct storage_stats copy = stats;
+
+	irq_unlock(key);
+	return copy;
+}
+
+static void write_value(const char *name, const void *value, size_t length)
+{
+	const int error = settings_save_one(name, value, length);
+
+	stats.writes++;
+	if (error != 0) {
+		stats.failures++;
+		stats.last_error = error;
+		LOG_ERR("cannot write %s: error %d", name, error);
+	}
+}
+
+/* Writes one pending parameter; false: there is none. */
+static bool write_param(void)
+{
+	const unsigned int key = irq_lock();
+	const uint64_t mask = pending.params;
+	const uint32_t index = mask != 0 ? (uint32_t)__builtin_ctzll(mask) : 0;
+	const int32_t value = pending.values[index];
+
+	pending.params &= mask - 1;
+	irq_unlock(key);
+	if (mask == 0) {
+		return false;
+	}
+	char name[NAME_MAX];
+
+	snprintk(name, sizeof(name), PARAM_PREFIX "%s", params_info(index)->name);
+	write_value(name, &value, sizeof(value));
+	return true;
+}
+
+static void write_light(void)
+{
+	const unsigned int key = irq_lock();
+	const bool wanted = pending.light;
+	const struct stored_light light = pending.settings;
+
+	pending.light = false;
+	irq_unlock(key);
+	if (wanted) {
+		write_value(LIGHT_NAME, &light, sizeof(light));
+	}
+}
+
+void storage_run(void *p1, void *p2, void *p3)
+{
+	for (;;) {
+		k_sem_take(&requested, K_FOREVER);
+		while (write_param()) {
+		}
+		if (pending.light) {
+			k_msleep(LIGHT_SETTLE_MS);
+			write_light();
+		}
+	}
+}

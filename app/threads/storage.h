@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What survives a power cut: parameters and, if LGT_RESTORE says so, the last commanded settings.
+ * Writing happens in a low-priority thread, after the answer; each value is written whole or not at
+ * all (Zephyr settings). Writes of one value that come faster than the store takes them are one.
+ */
+#ifndef PHAROS_THREADS_STORAGE_H
+#define PHAROS_THREADS_STORAGE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/illuminator.h"
+#include "core/params.h"
+
+struct storage_stats {
+	uint32_t writes;
+	uint32_t failures;
+	uint32_t refused; /* stored values that do not fit the table (any more); defaults apply */
+	int32_t last_error;
+};
+
+/*
+ * Before the threads start. Puts the stored parameters over those in *params; *light and
+ * *has_light: the last commanded settings. 0, or -errno of the store: the defaults stay.
+ */
+int storage_load(struct params *params, struct illuminator_settings *light, bool *has_light);
+
+/* Write the parameters of the mask, as they are now. Command thread. */
+void storage_save_params(const struct params *params, uint64_t mask);
+
+/* Write the settings, once they have stood for a second. Command thread. */
+void storage_save_light(const struct illuminator_settings *light);
+
+/* Any thread. */
+struct storage_stats storage_stats_get(void);
+
+/* Thread entry. */
+void storage_run(void *, void *, void *);
+
+#endif

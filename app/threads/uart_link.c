@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "threads/uart_link.h"
+
+#include <errno.h>
+
+#include <zephyr/drivers/uart.h>
+#include <zephyr/kernel.h>
+#include <zephyr/sys/ring_buffer.h>
+
+#include "threads/command.h"
+#include "threads/devices.h"
+#include "threads/link.h"
+#include "threads/supervisor.h"
+
+struct uart_link {
+	struct ring_buf rx; /* the interrupt puts, the thread takes */
+	struct ring_buf tx; /* the command thread puts frames with their length, the interrupt takes */
+	struct k_sem rx_ready;
+	struct mavlink_framer framer;
+	struct link_stats stats;
+	uint16_t sending_length; /* the frame that the interrupt is sending; 0: none */
+	uint16_t sending_at;
+	uint8_t sending[MAVLINK_FRAME_MAX];
+	uint8_t rx_bytes[UART_RX_RING_SIZE];
+	uint8_t tx_bytes[UART_TX_RING_SIZE];
+};
+
+static struct uart_link links[UART_LINKS_MAX];
+
+K_MEM_SLAB_DEFINE_STATIC(frame_pool, ROUND_UP(sizeof(struct link_frame), 8), LINK_FRAMES_MAX, 8);
+
+/* --- interrupt -------------------------------------------------------------------------------- */
+
+/* A full ring stops reception until the thread has made room, so nothing is dropped here. */
+static void receive(const struct device *uart, struct uart_link *link)
+{
+	uint8_t *into;
+	const uint32_t room = ring_buf_put_claim(&link->rx, &into, UART_RX_RING_SIZE);
+
+	if (room == 0) {
+		link->stats.rx_overruns++;
+		uart_irq_rx_disable(uart);
+	} else {
+		const int got = uart_fifo_read(uart, into, (int)room);
+
+		ring_buf_put_finish(&link->rx, got > 0 ? (uint32_t)got : 0);
+		link->stats.rx_bytes += got > 0 ? (uint32_t)got : 0;
+	}
+	k_sem_give(&link->rx_ready);
+}
+
+/* The next frame of the send queue, when the last is gone. */
+static bool take_frame(struct uart_link *link)
+{
+	uint16_t length;
+
+	if (link->sending_length > 0) {
+		return true;
+	}
+	if (ring_buf_get(&link->tx, (uint8_t *)&length, sizeof(length)) == 0) {
+		return false;
+	}
+	ring_buf_get(&link->tx, link->sending, length);
+	link->sending_length = length;
+	link->sending_at = 0;
+	return true;
+}
+
+/* A frame goes to the driver in one piece where the hardware takes it, so one frame is one write. */
+static void transmit(const struct device *uart, struct uart_link *link)
+{
+	if (!take_frame(link)) {
+		uart_irq_tx_disable(uart);
+		return;
+	}
+	const int sent = uart_fifo_fill(uart, &link->sending[link->sending_at],
+					link->sending_length - link->sending_at);
+
+	link->sending_at += sent > 0 ? (uint16_t)sent : 0;
+	link->stats.tx_bytes += sent > 0 ? (uint32_t)sent : 0;
+	if (link->sending_at == link->sending_length) {
+		link->sending_length = 0;
+		link->stats.tx_frames++;
+	}
+}
+
+static void uart_interrupt(const struct device *uart, void *user_data)
+{
+	struct uart_link *const link = user_data;
+
+	uart_irq_update(uart);
+	if (uart_err_check(uart) > 0) {
+		link->stats.rx_errors++;
+	}
+	if (uart_irq_rx_ready(uart) > 0) {
+		receive(uart, link);
+	}
+	if (uart_irq_tx_ready(uart) > 0) {
+		transmit(uart, link);
+	}
+}
+
+/* --- links ------------------------------------------------------------------------------------ */
+
+static struct uart_link *find(uint8_t link)
+{
+	return link < UART_LINKS_MAX && devices.uart_links[link] != NULL ? &links[link] : NULL;
+}
+
+int link_send(uint8_t number, const uint8_t *frame, size_t length)
+{
+	struct uart_link *const link = find(number);
+	const uint16_t prefix = (uint16_t)length;
+
+	if (link == NULL) {
+		return -ENODEV;
+	}
+	if (ring_buf_space_get(&link->tx) < sizeof(prefix) + length) {
+		link->stats.tx_dropped++;
+		return -ENOBUFS;
+	}
+	/* the interrupt must not see a length without its frame */
+	const unsigned int key = irq_lock();
+
+	ring_buf_put(&link->tx, (const uint8_t *)&prefix, sizeof(prefix));
+	ring_buf_put(&link->tx, frame, (uint32_t)length);
+	irq_unlock(key);
+	uart_irq_tx_enable(devices.uart_links[number]);
+	return 0;
+}
+
+size_t link_space(uint8_t number)
+{
+	struct uart_link *const link = find(number);
+
+	return link == NULL ? 0 : ring_buf_space_get(&link->tx);
+}
+
+uint32_t link_mask(void)
+{
+	uint32_t mask = 0;
+
+	for (uint8_t number = 0; number < LINKS_MAX; number++) {
+		mask |= find(number) != NULL ? BIT(number) : 0;
+	}
+	return mask;
+}
+
+int link_stats_get(uint8_t number, struct link_stats *stats)
+{
+	struct uart_link *const link = find(number);
+
+	if (link == NULL) {
+		return -ENODEV;
+	}
+	const unsigned int key = irq_lock();
+
+	*stats = link->stats;
+	stats->framer = link->framer.stats;
+	irq_unlock(key);
+	return 0;
+}
+
+const char *link_name(uint8_t number)
+{
+	static const char *const names[UART_LINKS_MAX] = {"uart0", "uart1", "uart2", "uart3"};
+
+	return names[number];
+}
+
+void link_frame_free(struct link_frame *frame)
+{
+	k_mem_slab_free(&frame_pool, (void *)frame);
+}
+
+/* --- thread ----------------------------------------------------------------------------------- */
+
+/* To the command thread, which takes it before this one goes on; waits while it is behind. */
+static void post(uint8_t number, struct uart_link *link, const uint8_t *bytes, size_t length)
+{
+	void *block;
+
+	while (k_mem_slab_alloc(&frame_pool, &block, K_MSEC(SUPERVISOR_REPORT_MS)) != 0) {
+		supervisor_report(SUPERVISOR_UART_LINK0 + number);
+	}
+	struct link_frame *const frame = block;
+
+	frame->link = number;
+	frame->length = (uint16_t)length;
+	memcpy(frame->bytes, bytes, length);
+	while (command_post_frame(frame) != 0) {
+		supervisor_report(SUPERVISOR_UART_LINK0 + number);
+	}
+	link->stats.rx_frames++;
+}
+
+/* All bytes of the ring through the framer. */
+static void drain(uint8_t number, struct uart_link *link)
+{
+	uint8_t *from;
+	uint32_t count;
+
+	while ((count = ring_buf_get_claim(&link->rx, &from, UART_RX_RING_SIZE)) > 0) {
+		uint32_t used = 0;
+
+		while (used < count) {
+			struct mavlink_frame frame;
+
+			used += (uint32_t)mavlink_framer_push(&link->framer, from + used,
+							      count - used);
+			while (mavlink_framer_next(&link->framer, &frame)) {
+				post(number, link, frame.bytes, frame.length);
+			}
+		}
+		ring_buf_get_finish(&link->rx, count);
+		uart_irq_rx_enable(devices.uart_links[number]);
+	}
+}
+
+void uart_link_run(void *argument, void *p2, void *p3)
+{
+	const uint8_t number = (uint8_t)(uintptr_t)argument;
+	const struct device *const uart = devices.uart_links[number];
+	struct uart_link *const link = &links[number];
+
+	if (uart == NULL) {
+		return;
+	}
+	ring_buf_init(&link->rx, sizeof(link->rx_bytes), link->rx_bytes);
+	ring_buf_init(&link->tx, sizeof(link->tx_bytes), link->tx_bytes);
+	k_sem_init(&link->rx_ready, 0, 1);
+	mavlink_framer_init(&link->framer);
+	uart_irq_callback_user_data_set(uart, uart_interrupt, link);
+	uart_irq_rx_enable(uart);
+
+	for (;;) {
+		supervisor_report(SUPERVISOR_UART_LINK0 + number);
+		k_sem_take(&link->rx_ready, K_MSEC(SUPERVISOR_REPORT_MS));
+		drain(number, link);
+	}
+}
