@@ -6,7 +6,8 @@
  * keep per-channel state in function-local statics, one copy for each file that includes them;
  * frame.c and framer.c do that work here. MAVLINK_SEPARATE_HELPERS keeps those copies out.
  *
- * Payload structs are packed in wire order and little-endian, as are the machines this runs on.
+ * Payload structs lie in wire order, little-endian as the machines this runs on; some have padding
+ * behind the last field.
  */
 #ifndef PHAROS_PROTO_MAVLINK_DIALECT_H
 #define PHAROS_PROTO_MAVLINK_DIALECT_H
@@ -14,17 +15,20 @@
 #define MAVLINK_SEPARATE_HELPERS
 #include <pharos/mavlink.h>
 
+#include <stddef.h>
+
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "payload structs are wire images");
 
 /* MAVLink common.xml, as of mid 2026. */
 _Static_assert(MAVLINK_MSG_ID_ILLUMINATOR_STATUS == 440, "common.xml");
 _Static_assert(MAVLINK_MSG_ID_ILLUMINATOR_STATUS_CRC == 66, "common.xml");
 _Static_assert(MAVLINK_MSG_ID_ILLUMINATOR_STATUS_LEN == 35, "common.xml");
-_Static_assert(sizeof(mavlink_illuminator_status_t) == 35, "common.xml");
+_Static_assert(offsetof(mavlink_illuminator_status_t, max_strobe_period) == 28, "wire order");
+_Static_assert(offsetof(mavlink_illuminator_status_t, mode) == 34, "wire order");
 _Static_assert(MAVLINK_MSG_ID_COMPONENT_INFORMATION_BASIC == 396, "common.xml");
 _Static_assert(MAVLINK_MSG_ID_COMPONENT_INFORMATION_BASIC_CRC == 50, "common.xml");
 _Static_assert(MAVLINK_MSG_ID_COMPONENT_INFORMATION_BASIC_LEN == 160, "common.xml");
-_Static_assert(sizeof(mavlink_component_information_basic_t) == 160, "common.xml");
+_Static_assert(offsetof(mavlink_component_information_basic_t, serial_number) == 128, "wire order");
 _Static_assert(MAVLINK_MSG_ID_COMPONENT_METADATA == 397, "common.xml");
 _Static_assert(MAVLINK_MSG_ID_COMPONENT_METADATA_CRC == 182, "common.xml");
 _Static_assert(MAV_TYPE_ILLUMINATOR == 44, "minimal.xml");

@@ -72,7 +72,7 @@ struct mavlink_reply {
 struct mavlink_command_row {
 	uint16_t id;
 	uint8_t (*run)(const struct mavlink_context *context, const struct mavlink_command *command,
-		       struct mavlink_reply *reply);
+	               struct mavlink_reply *reply);
 };
 
 /*
@@ -110,7 +110,7 @@ struct mavlink_profile {
 	uint8_t (*system_status)(const void *service); /* MAV_STATE */
 	/* The core did something on another's behalf; may be NULL. */
 	void (*observe)(const struct mavlink_context *context,
-			const struct illuminator_outbox *actions);
+	                const struct illuminator_outbox *actions);
 };
 
 struct mavlink_stream {
@@ -173,14 +173,14 @@ struct mavlink_endpoint {
 
 /* config asserted. No component yet, so nothing is due. */
 void mavlink_endpoint_init(struct mavlink_endpoint *self,
-			   const struct mavlink_endpoint_config *config);
+                           const struct mavlink_endpoint_config *config);
 
 /*
  * Adds a component; its streams are due at once. id 1…255 and not there yet, profile and service
  * outlive the endpoint, at most MAVLINK_COMPONENTS_MAX: all asserted.
  */
 void mavlink_endpoint_add(struct mavlink_endpoint *self, int64_t now_us, uint8_t id,
-			  const struct mavlink_profile *profile, void *service);
+                          const struct mavlink_profile *profile, void *service);
 
 /* Takes the vehicle's system id, 1…255 (asserted). */
 void mavlink_endpoint_set_system_id(struct mavlink_endpoint *self, uint8_t system_id);
@@ -190,18 +190,18 @@ void mavlink_endpoint_set_system_id(struct mavlink_endpoint *self, uint8_t syste
  * overwritten. What is not one frame is counted and left.
  */
 void mavlink_endpoint_receive(struct mavlink_endpoint *self, int64_t now_us, uint8_t link,
-			      const uint8_t *bytes, size_t length, struct mavlink_outbox *out);
+                              const uint8_t *bytes, size_t length, struct mavlink_outbox *out);
 
 /* Sends what is due, as much as fits. *out is overwritten. */
 void mavlink_endpoint_step(struct mavlink_endpoint *self, int64_t now_us,
-			   struct mavlink_outbox *out);
+                           struct mavlink_outbox *out);
 
 /* When step has something to send; TIME_NEVER_US: nothing. */
 int64_t mavlink_endpoint_deadline_us(const struct mavlink_endpoint *self);
 
 /* The core was stepped by someone else (heat, shell, another protocol) and returned actions. */
 void mavlink_endpoint_observe(struct mavlink_endpoint *self, int64_t now_us,
-			      const struct illuminator_outbox *actions);
+                              const struct illuminator_outbox *actions);
 
 /*
  * Tells people on every link. severity: MAV_SEVERITY 0…7. text: cut after MAVLINK_TEXT_BYTES.
@@ -209,7 +209,7 @@ void mavlink_endpoint_observe(struct mavlink_endpoint *self, int64_t now_us,
  * limits its own rate as well.
  */
 bool mavlink_endpoint_text(struct mavlink_endpoint *self, int64_t now_us, uint8_t severity,
-			   const char *text);
+                           const char *text);
 
 /* --- for profiles ---------------------------------------------------------------------------- */
 
@@ -218,7 +218,7 @@ bool mavlink_endpoint_text(struct mavlink_endpoint *self, int64_t now_us, uint8_
  * (asserted). false: the link's version can't carry it.
  */
 bool mavlink_send(const struct mavlink_context *context, uint8_t link,
-		  const struct mavlink_kind *kind, const void *payload);
+                  const struct mavlink_kind *kind, const void *payload);
 
 /* Tells a change on every link whose stream of an ON_CHANGE message is not off, soon. */
 void mavlink_changed(const struct mavlink_context *context);

@@ -79,7 +79,7 @@ uint8_t mavlink_frame_byte(const struct mavlink_frame *frame, uint8_t offset);
  * Returns the length; 0: version 1 can't carry that message.
  */
 size_t mavlink_frame_build(uint8_t *bytes, const struct mavlink_sender *sender,
-			   const struct mavlink_kind *kind, const void *payload);
+                           const struct mavlink_kind *kind, const void *payload);
 
 /* Looks up CRC_EXTRA of any message that pymavlink's dialects know. false: unknown id. */
 bool mavlink_crc_extra(uint32_t message_id, uint8_t *crc_extra);

@@ -15,7 +15,7 @@ struct mavlink_identity {
 	const char *hardware_version; /* 23 */
 	const char *serial_number;    /* 31 */
 	uint32_t time_manufacture_s;  /* Unix time; 0: not known */
-	uint32_t version_code;        /* AUTOPILOT_VERSION: major, minor, patch, type, a byte each */
+	uint32_t version_code; /* AUTOPILOT_VERSION: major, minor, patch, type, a byte each */
 };
 
 #endif

@@ -36,6 +36,6 @@ extern const struct mavlink_profile mavlink_illuminator_profile;
 
 /* All outlive the service. */
 void mavlink_illuminator_init(struct mavlink_illuminator *self, struct illuminator *illuminator,
-			      struct arbiter *arbiter, const struct mavlink_identity *identity);
+                              struct arbiter *arbiter, const struct mavlink_identity *identity);
 
 #endif

@@ -8,16 +8,16 @@
 #include <stdint.h>
 
 /* Wire sizes, MAVLink 2: header 10, payload up to 255, checksum 2, signature 13. Version 1: 6. */
-#define MAVLINK_V1_HEADER        6
-#define MAVLINK_V2_HEADER        10
-#define MAVLINK_CHECKSUM_BYTES   2
-#define MAVLINK_SIGNATURE_BYTES  13
-#define MAVLINK_PAYLOAD_MAX      255
-#define MAVLINK_FRAME_MAX        280
-#define MAVLINK_V1_FRAME_MIN     (MAVLINK_V1_HEADER + MAVLINK_CHECKSUM_BYTES)
-#define MAVLINK_V2_FRAME_MIN     (MAVLINK_V2_HEADER + MAVLINK_CHECKSUM_BYTES)
-#define MAVLINK_V1_MESSAGE_MAX   255u
-#define MAVLINK_MESSAGE_ID_MAX   0xFFFFFFu
+#define MAVLINK_V1_HEADER       6
+#define MAVLINK_V2_HEADER       10
+#define MAVLINK_CHECKSUM_BYTES  2
+#define MAVLINK_SIGNATURE_BYTES 13
+#define MAVLINK_PAYLOAD_MAX     255
+#define MAVLINK_FRAME_MAX       280
+#define MAVLINK_V1_FRAME_MIN    (MAVLINK_V1_HEADER + MAVLINK_CHECKSUM_BYTES)
+#define MAVLINK_V2_FRAME_MIN    (MAVLINK_V2_HEADER + MAVLINK_CHECKSUM_BYTES)
+#define MAVLINK_V1_MESSAGE_MAX  255u
+#define MAVLINK_MESSAGE_ID_MAX  0xFFFFFFu
 
 /* A framer keeps an unfinished frame and has room for as much again. */
 #define MAVLINK_FRAMER_WINDOW (2 * MAVLINK_FRAME_MAX)
@@ -28,18 +28,20 @@
 #define MAVLINK_MESSAGES_MAX   12
 
 /* Frames that one received frame may cause: per component an answer and a message on each link. */
-#define MAVLINK_ACK_FRAME_MAX  (MAVLINK_V2_FRAME_MIN + 10 + MAVLINK_SIGNATURE_BYTES)
-#define MAVLINK_STEP_FRAMES    (MAVLINK_COMPONENTS_MAX * (1 + MAVLINK_LINKS_MAX))
+#define MAVLINK_ACK_FRAME_MAX (MAVLINK_V2_FRAME_MIN + 10 + MAVLINK_SIGNATURE_BYTES)
+#define MAVLINK_STEP_FRAMES   (MAVLINK_COMPONENTS_MAX * (1 + MAVLINK_LINKS_MAX))
 #define MAVLINK_STEP_BYTES                                                                         \
 	(MAVLINK_COMPONENTS_MAX * (MAVLINK_ACK_FRAME_MAX + MAVLINK_LINKS_MAX * MAVLINK_FRAME_MAX))
 #define MAVLINK_OUTBOX_FRAMES 16
 #define MAVLINK_OUTBOX_BYTES  2560
 
-/* Streams: the fastest that may be asked for, and the least time between two reports of a change. */
+/* Streams: the fastest that may be asked for, and the least time between two reports of a change.
+ */
 #define MAVLINK_INTERVAL_MIN_US   1000
 #define MAVLINK_CHANGE_GAP_MIN_US 100000
 
-/* STATUSTEXT: waiting texts, and how often: a burst, then one per period; each kind once per gap. */
+/* STATUSTEXT: waiting texts, and how often: a burst, then one per period; each kind once per gap.
+ */
 #define MAVLINK_TEXT_BYTES     50
 #define MAVLINK_TEXTS_MAX      4
 #define MAVLINK_TEXT_BURST     4
@@ -48,8 +50,8 @@
 #define MAVLINK_NOTICE_GAP_US  10000000
 
 _Static_assert(MAVLINK_FRAME_MAX == MAVLINK_V2_HEADER + MAVLINK_PAYLOAD_MAX +
-					    MAVLINK_CHECKSUM_BYTES + MAVLINK_SIGNATURE_BYTES,
-	       "the longest frame");
+                                            MAVLINK_CHECKSUM_BYTES + MAVLINK_SIGNATURE_BYTES,
+               "the longest frame");
 _Static_assert(MAVLINK_FRAMER_WINDOW >= 2 * MAVLINK_FRAME_MAX, "room beside an unfinished frame");
 _Static_assert(MAVLINK_OUTBOX_FRAMES >= MAVLINK_STEP_FRAMES, "the answers to a frame fit");
 _Static_assert(MAVLINK_OUTBOX_BYTES >= MAVLINK_STEP_BYTES, "the answers to a frame fit");
