@@ -210,7 +210,7 @@ ZTEST(settings_records, test_full_store_refuses_and_keeps)
 {
 	char name[8];
 	char value[SETTINGS_RECORD_VALUE_MAX + 1];
-	int stored = 0;
+	size_t stored = 0;
 	int rc = 0;
 
 	memset(value, 'v', sizeof(value) - 1);
@@ -218,7 +218,7 @@ ZTEST(settings_records, test_full_store_refuses_and_keeps)
 	for (int i = 0; i < 10000 && rc == 0; i++) {
 		(void)snprintf(name, sizeof(name), "n%04d", i);
 		rc = save(name, value);
-		stored += rc == 0;
+		stored += rc == 0 ? 1 : 0;
 	}
 	zassert_equal(rc, -ENOSPC);
 	power_on();
@@ -369,7 +369,7 @@ ZTEST(settings_records, test_each_flipped_bit_costs_at_most_its_own_record)
 			zassert_equal(records.stats.broken, 1, "bit %zu: %u", bit,
 			              (unsigned int)records.stats.broken);
 		}
-		zassert_equal(count(), 3 - lost);
+		zassert_equal(count(), (size_t)(3 - lost));
 		*byte ^= (uint8_t)(1 << bit % 8);
 	}
 }

@@ -30,7 +30,7 @@ _SEQUENCE = re.compile(r"\x1b\[([0-9;]*)([A-Za-z])")
 
 
 class Terminal:
-    """What the escape sequences that the shell sends do to a screen of some columns, whose rows grow
+    """What the escape sequences that the shell sends do to a screen of some columns. Its rows grow
     downwards without end. Like a VT100, it wraps when the next character comes, not when a row is
     full, and it answers when asked where its cursor is."""
 

@@ -34,14 +34,16 @@ void shell_help_commands(const struct shell *sh, const struct shell_static_entry
 	}
 	while ((entry = shell_cmd_after(parent, after, "", &space)) != NULL) {
 		const char *line = entry->help == NULL ? "" : entry->help;
+		const char *end;
 
-		shell_fprintf(sh, SHELL_NORMAL, "  %-*s", (int)width, entry->syntax);
+		shell_fprintf(sh, SHELL_NORMAL, "  %-*s", *line == '\0' ? 0 : (int)width + 2,
+		              entry->syntax);
 		/* A help text of several lines stays in its column. */
-		for (const char *end; (end = strchr(line, '\n')) != NULL; line = end + 1) {
-			shell_fprintf(sh, SHELL_NORMAL, "  %.*s\n%*s", (int)(end - line), line,
-			              (int)width + 2, "");
+		for (; (end = strchr(line, '\n')) != NULL; line = end + 1) {
+			shell_fprintf(sh, SHELL_NORMAL, "%.*s\n%*s", (int)(end - line), line,
+			              (int)width + 4, "");
 		}
-		shell_print(sh, "%s%s", *line == '\0' ? "" : "  ", line);
+		shell_print(sh, "%s", line);
 		after = entry->syntax;
 	}
 }
