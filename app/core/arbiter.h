@@ -31,7 +31,7 @@ enum arbiter_source {
 #define ARBITER_SOURCES 6
 
 /* Bit of a source that can command, in LGT_SRC_EXCL and arbiter_config.excluded. */
-#define ARBITER_SOURCE_BIT(source) (1u << ((source) - ARBITER_SOURCE_MAVLINK))
+#define ARBITER_SOURCE_BIT(source) (1u << ((source)-ARBITER_SOURCE_MAVLINK))
 
 enum arbiter_verdict {
 	ARBITER_GRANTED,
@@ -70,7 +70,7 @@ void arbiter_configure(struct arbiter *self, const struct arbiter_config *config
 
 /* source MAVLINK…SHELL (asserted), here and below. Counts refusals. now_us 0…TIME_MAX_US. */
 enum arbiter_verdict arbiter_check(struct arbiter *self, int64_t now_us,
-				   enum arbiter_source source);
+                                   enum arbiter_source source);
 
 /* The command that check granted was ACCEPTED: source is in command now. */
 void arbiter_commit(struct arbiter *self, int64_t now_us, enum arbiter_source source);

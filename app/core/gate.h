@@ -2,8 +2,9 @@
 /*
  * The lamp's gate: internal strobe, or external sync with the strobe as a possible stand-in.
  *
- * The strobe starts anew when the sync input's time-out hands over to it. Context: thread or
- * interrupt, serialised by the caller (lock interrupts around the calls from a thread).
+ * The strobe starts anew when the sync input's time-out hands over to it; the sync input when a
+ * plan begins to follow it. Times before the last call's count as the last call's. Context: thread
+ * or interrupt, serialised by the caller (lock interrupts around the calls from a thread).
  */
 #ifndef PHAROS_CORE_GATE_H
 #define PHAROS_CORE_GATE_H
@@ -16,7 +17,8 @@ struct gate {
 	struct light_plan plan;
 	struct strobe strobe;
 	struct sync sync;
-	bool level; /* raw input as last told */
+	int64_t now_us; /* up to when everything is decided */
+	bool level;     /* raw input as last told */
 };
 
 /* Dark. sync and level: see sync_init. */

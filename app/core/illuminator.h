@@ -101,7 +101,8 @@ enum illuminator_result {
 
 enum illuminator_action_kind {
 	ILLUMINATOR_ACTION_LIGHT,  /* light: the plan is new, carry it out */
-	ILLUMINATOR_ACTION_STATUS, /* the status differs from before (not: temperature alone) */
+	ILLUMINATOR_ACTION_STATUS, /* settings, flags or limits differ from before (not: temperature
+	                              alone) */
 	ILLUMINATOR_ACTION_NOTICE, /* notice: tell people; the sender limits the rate */
 };
 
@@ -149,8 +150,8 @@ struct illuminator {
 	struct thermal_report thermal;
 	struct light_plan plan;
 	struct illuminator_stats stats;
-	uint32_t revision;   /* advances with each change of settings, and with nothing else */
-	int64_t changed_us;  /* when it last advanced; 0: never */
+	uint32_t revision;  /* advances with each change of settings, and with nothing else */
+	int64_t changed_us; /* when it last advanced; 0: never */
 };
 
 /*
@@ -165,15 +166,15 @@ void illuminator_init(struct illuminator *self, const struct illuminator_config 
  * enable during thermal shutdown FAILED).
  */
 enum illuminator_result illuminator_step(struct illuminator *self, int64_t now_us,
-					 const struct illuminator_event *event,
-					 struct illuminator_outbox *out);
+                                         const struct illuminator_event *event,
+                                         struct illuminator_outbox *out);
 
 /* ILLUMINATOR_ERROR_FLAGS now: THERMAL_FLAG_… */
 uint32_t illuminator_error_flags(const struct illuminator *self);
 
 /*
- * Linear light of a brightness, 0…PPM_ONE both. Monotone; exact at 0 and PPM_ONE; within 1 ppm of
- * CIE 15:2004 8.2.1 (Y of L*), half up. Any context.
+ * Linear light of a brightness, 0…PPM_ONE both. Monotone; exact at 0 and PPM_ONE; rounded half up.
+ * CIE 15:2004 8.2.1, Y of L*. Any context.
  */
 uint32_t illuminator_curve_ppm(enum illuminator_curve curve, uint32_t brightness_ppm);
 

@@ -40,8 +40,8 @@
 #define PARAMS_MAX      64
 
 _Static_assert(ILLUMINATOR_OUTBOX_MAX >= ILLUMINATOR_STEP_ACTIONS_MAX, "a step fits the outbox");
-_Static_assert((uint64_t)STROBE_PERIOD_CEILING_US * PPM_ONE < (uint64_t)INT64_MAX,
-	       "period times ratio fits 64 bits");
+_Static_assert((uint64_t)STROBE_PERIOD_CEILING_US *PPM_ONE < (uint64_t)INT64_MAX,
+               "period times ratio fits 64 bits");
 _Static_assert(STROBE_PERIOD_CEILING_US <= UINT32_MAX, "a period fits 32 bits");
 _Static_assert(STROBE_PERIOD_FLOOR_US > 1, "a strobe has room for a lit and a dark microsecond");
 

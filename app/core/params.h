@@ -18,6 +18,7 @@
 #include "core/sync.h"
 #include "core/thermal.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -80,7 +81,8 @@ enum param_group {
 	X(THR_MISS_MS, "THR_MISS_MS", THERMAL, "ms", 100, 60000,                                   \
 	  CONFIG_PHAROS_THERMAL_SENSOR_MISSING_MS, 0, "Samples may stay away so long")             \
 	X(THR_GOOD_N, "THR_GOOD_N", THERMAL, "", 1, 1000,                                          \
-	  CONFIG_PHAROS_THERMAL_SENSOR_GOOD_SAMPLES, 0, "Good samples in a row that heal a sensor") \
+	  CONFIG_PHAROS_THERMAL_SENSOR_GOOD_SAMPLES, 0,                                            \
+	  "Good samples in a row that heal a sensor")                                              \
 	X(SYNC_MODE, "SYNC_MODE", SYNC, "", 0, 1, CONFIG_PHAROS_SYNC_MODE, 0,                      \
 	  "External sync: 0 the gate follows the input, 1 each edge gives a pulse")                \
 	X(SYNC_POL, "SYNC_POL", SYNC, "", 0, 1, CONFIG_PHAROS_SYNC_POLARITY, 0,                    \
@@ -101,7 +103,9 @@ enum param_group {
 	  PARAM_FLAG_REBOOT, "MAVLink component id")
 
 #define PARAMS_ID(id, name, group, unit, min, max, fallback, flags, meaning) PARAM_##id,
-enum param_id { PARAMS_TABLE(PARAMS_ID) PARAM_COUNT };
+enum param_id {
+	PARAMS_TABLE(PARAMS_ID) PARAM_COUNT
+};
 #undef PARAMS_ID
 
 _Static_assert(PARAM_COUNT <= PARAMS_MAX, "a mask has a bit for each parameter");
@@ -148,13 +152,13 @@ uint32_t params_find(const char *name, size_t length);
 /* UNKNOWN: *value is untouched. */
 enum params_result params_get(const struct params *self, uint32_t index, int32_t *value);
 enum params_result params_get_by_name(const struct params *self, const char *name, size_t length,
-				      int32_t *value);
+                                      int32_t *value);
 
 /* *changed: PARAM_MASK of what changed; 0 when refused or when it was that value already. */
 enum params_result params_set(struct params *self, uint32_t index, int32_t value,
-			      uint64_t *changed);
+                              uint64_t *changed);
 enum params_result params_set_by_name(struct params *self, const char *name, size_t length,
-				      int32_t value, uint64_t *changed);
+                                      int32_t value, uint64_t *changed);
 
 /* Back to the defaults, read-only ones too. Returns the mask of what changed. */
 uint64_t params_reset(struct params *self);

@@ -35,7 +35,7 @@ struct strobe_stats {
 
 struct strobe {
 	int64_t origin_us; /* cycle 0 of the grid lights */
-	uint64_t cycle;    /* of the present phase; a grid that starts dark is in cycle 0 */
+	int64_t cycle;     /* of the present phase; a grid that starts dark is in cycle -1 */
 	int64_t phase_us;  /* when the present phase began by the grid */
 	int64_t next_us;   /* when it ends; TIME_NEVER_US: unending */
 	uint32_t period_us;
@@ -50,8 +50,8 @@ void strobe_init(struct strobe *self);
 
 /*
  * plan: as light.h says (asserted); level_ppm and external_sync are not looked at. now_us
- * 0…TIME_MAX_US, not before the last call (asserted). First catches up to now_us, then changes over.
- * Returns the gate from now_us on.
+ * 0…TIME_MAX_US, not before the last call (asserted). First catches up to now_us, then changes
+ * over. Returns the gate from now_us on.
  */
 bool strobe_set(struct strobe *self, int64_t now_us, const struct light_plan *plan);
 

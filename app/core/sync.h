@@ -5,9 +5,10 @@
  * Glitch filter: a change of the input counts once it has lasted filter_us; it counts at the
  * instant when that time is over (a delay, no jitter). A shorter change never happened.
  * LEVEL: the gate is the filtered input. EDGE: each filtered change to active gives a pulse of
- * pulse_us; while it lasts a further one is dropped (IGNORE) or prolongs it to its own end (EXTEND).
- * Time-out: timeout_us after the last filtered change (or the start) the policy takes over: OFF,
- * ON (steady), INTERNAL (the strobe of the plan); until the next filtered change. 0: never.
+ * pulse_us; while it lasts a further one is dropped (IGNORE) or prolongs it to its own end
+ * (EXTEND). Time-out: timeout_us after the last filtered change (or the start) the policy takes
+ * over: OFF, ON (steady), INTERNAL (the strobe of the plan); until the next filtered change. 0:
+ * never.
  *
  * Timestamps are arguments, so an input may be told late, with its own time; one older than what
  * was already decided counts as now and is counted. Context: thread or interrupt, serialised by the
@@ -61,9 +62,9 @@ struct sync_stats {
 	uint32_t changes;  /* filtered */
 	uint32_t glitches; /* dropped by the filter */
 	uint32_t pulses;
-	uint32_t ignored;  /* edges dropped by IGNORE */
+	uint32_t ignored; /* edges dropped by IGNORE */
 	uint32_t timeouts;
-	uint32_t late;     /* timestamps older than what was decided */
+	uint32_t late; /* timestamps older than what was decided */
 };
 
 struct sync {
@@ -73,8 +74,8 @@ struct sync {
 	int64_t pending_us;  /* when the unfiltered change came */
 	int64_t activity_us; /* last filtered change, or start */
 	int64_t pulse_end_us;
-	bool pending;        /* the input differs from the filtered level */
-	bool active;         /* filtered */
+	bool pending; /* the input differs from the filtered level */
+	bool active;  /* filtered */
 	bool timed_out;
 };
 
@@ -83,7 +84,7 @@ void sync_init(struct sync *self, int64_t now_us, const struct sync_config *conf
 
 /* New parameters: as sync_init, the counters stay. */
 void sync_configure(struct sync *self, int64_t now_us, const struct sync_config *config,
-		    bool level);
+                    bool level);
 
 /* The raw input has been level since at_us (0…TIME_MAX_US). Repeats are harmless. */
 void sync_input(struct sync *self, int64_t at_us, bool level);

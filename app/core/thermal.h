@@ -25,6 +25,7 @@
 #define PHAROS_CORE_THERMAL_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 /* Wire values of MAVLink ILLUMINATOR_ERROR_FLAGS. */
@@ -81,7 +82,8 @@ struct thermal_config {
 	uint32_t good_samples;
 };
 
-/* temp_mdegc and raw: any value; ignored unless status is OK. lit: the lamp gave light meanwhile. */
+/* temp_mdegc and raw: any value; ignored unless status is OK. lit: the lamp gave light meanwhile.
+ */
 struct thermal_sample {
 	enum thermal_sample_status status;
 	int32_t temp_mdegc;
@@ -112,13 +114,14 @@ struct thermal {
 	struct thermal_report report;
 	struct thermal_stats stats;
 	int64_t sample_us;    /* of the last sample; of the start before the first */
+	int64_t now_us;       /* of the last step */
 	int64_t slewed_us;    /* up to when the limit's rise has been credited */
 	int64_t plausible_us; /* of the sample that previous_mdegc is from */
 	int64_t unchanged_us; /* since when the code is unchanged while lit */
 	int32_t previous_mdegc;
 	uint32_t previous_raw;
 	uint32_t good_in_a_row;
-	uint32_t rise_carry;  /* remainder of the slew division, so slow rises are exact */
+	uint32_t rise_carry; /* remainder of the slew division, so slow rises are exact */
 	bool has_previous;
 	bool stuck;
 };
@@ -134,7 +137,7 @@ void thermal_configure(struct thermal *self, const struct thermal_config *config
  * (asserted). Returns what is in force from now on.
  */
 struct thermal_report thermal_step(struct thermal *self, int64_t now_us,
-				   const struct thermal_sample *sample);
+                                   const struct thermal_sample *sample);
 
 /* When samples count as missing; TIME_NEVER_US once they do. */
 int64_t thermal_deadline_us(const struct thermal *self);

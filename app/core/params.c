@@ -1,0 +1,276 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "core/params.h"
+
+#include "core/assert.h"
+
+#include <string.h>
+
+#define PARAMS_INFO(id, name_, group_, unit_, min_, max_, fallback_, flags_, meaning_)             \
+	[PARAM_##id] = {                                                                           \
+		.name = (name_),                                                                   \
+		.unit = (unit_),                                                                   \
+		.meaning = (meaning_),                                                             \
+		.min = (min_),                                                                     \
+		.max = (max_),                                                                     \
+		.fallback = (fallback_),                                                           \
+		.flags = (flags_),                                                                 \
+		.group = PARAM_GROUP_##group_,                                                     \
+	},
+static const struct param_info table[PARAM_COUNT] = {PARAMS_TABLE(PARAMS_INFO)};
+#undef PARAMS_INFO
+
+#define PARAMS_CHECK(id, name, group, unit, min, max, fallback, flags, meaning)                    \
+	_Static_assert((min) <= (fallback) && (fallback) <= (max), #id ": default within range");  \
+	_Static_assert(sizeof(name) - 1 <= PARAMS_NAME_MAX, #id ": name fits");
+PARAMS_TABLE(PARAMS_CHECK)
+#undef PARAMS_CHECK
+
+/* values[less] < values[more], or <= where equal is allowed. */
+struct rule {
+	enum param_id less;
+	enum param_id more;
+	bool equal;
+};
+
+static const struct rule rules[] = {
+	{PARAM_STRB_MIN_US, PARAM_STRB_MAX_US, true},
+	{PARAM_THR_SENS_MIN, PARAM_THR_RECOVER, false},
+	{PARAM_THR_RECOVER, PARAM_THR_THROTTLE, false},
+	{PARAM_THR_THROTTLE, PARAM_THR_SHUTDOWN, false},
+	/* Else overheating would count as implausible, and only limit the lamp. */
+	{PARAM_THR_SHUTDOWN, PARAM_THR_SENS_MAX, false},
+};
+#define RULES (sizeof(rules) / sizeof(rules[0]))
+
+_Static_assert(CONFIG_PHAROS_STROBE_PERIOD_MIN_US <= CONFIG_PHAROS_STROBE_PERIOD_MAX_US,
+               "default strobe periods");
+_Static_assert(CONFIG_PHAROS_THERMAL_SENSOR_MIN_MDEGC < CONFIG_PHAROS_THERMAL_RECOVER_MDEGC &&
+                       CONFIG_PHAROS_THERMAL_RECOVER_MDEGC < CONFIG_PHAROS_THERMAL_THROTTLE_MDEGC &&
+                       CONFIG_PHAROS_THERMAL_THROTTLE_MDEGC <
+                               CONFIG_PHAROS_THERMAL_SHUTDOWN_MDEGC &&
+                       CONFIG_PHAROS_THERMAL_SHUTDOWN_MDEGC <
+                               CONFIG_PHAROS_THERMAL_SENSOR_MAX_MDEGC,
+               "default temperatures");
+
+static bool holds(const struct rule *rule, const int32_t values[PARAM_COUNT])
+{
+	const int32_t less = values[rule->less];
+	const int32_t more = values[rule->more];
+
+	return less < more || (rule->equal && less == more);
+}
+
+static bool in_range(uint32_t index, int32_t value)
+{
+	return value >= table[index].min && value <= table[index].max;
+}
+
+void params_init(struct params *self)
+{
+	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+		self->values[i] = table[i].fallback;
+	}
+}
+
+const struct param_info *params_info(uint32_t index)
+{
+	return (index < PARAM_COUNT) ? &table[index] : NULL;
+}
+
+uint32_t params_find(const char *name, size_t length)
+{
+	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+		if (strlen(table[i].name) == length && memcmp(table[i].name, name, length) == 0) {
+			return i;
+		}
+	}
+	return PARAM_COUNT;
+}
+
+enum params_result params_get(const struct params *self, uint32_t index, int32_t *value)
+{
+	if (index >= PARAM_COUNT) {
+		return PARAMS_UNKNOWN;
+	}
+	*value = self->values[index];
+	return PARAMS_OK;
+}
+
+enum params_result params_get_by_name(const struct params *self, const char *name, size_t length,
+                                      int32_t *value)
+{
+	return params_get(self, params_find(name, length), value);
+}
+
+static enum params_result decide(const struct params *self, uint32_t index, int32_t value)
+{
+	if (index >= PARAM_COUNT) {
+		return PARAMS_UNKNOWN;
+	}
+	if ((table[index].flags & PARAM_FLAG_READ_ONLY) != 0) {
+		return PARAMS_READ_ONLY;
+	}
+	if (!in_range(index, value)) {
+		return PARAMS_OUT_OF_RANGE;
+	}
+	struct params next = *self;
+
+	next.values[index] = value;
+	for (uint32_t i = 0; i < RULES; i++) {
+		if (!holds(&rules[i], next.values)) {
+			return PARAMS_CONFLICT;
+		}
+	}
+	return PARAMS_OK;
+}
+
+enum params_result params_set(struct params *self, uint32_t index, int32_t value, uint64_t *changed)
+{
+	const enum params_result result = decide(self, index, value);
+
+	*changed = 0;
+	if (result == PARAMS_OK && self->values[index] != value) {
+		self->values[index] = value;
+		*changed = PARAM_MASK(index);
+	}
+	return result;
+}
+
+enum params_result params_set_by_name(struct params *self, const char *name, size_t length,
+                                      int32_t value, uint64_t *changed)
+{
+	return params_set(self, params_find(name, length), value, changed);
+}
+
+static uint64_t to_default(struct params *self, uint32_t index)
+{
+	if (self->values[index] == table[index].fallback) {
+		return 0;
+	}
+	self->values[index] = table[index].fallback;
+	return PARAM_MASK(index);
+}
+
+uint64_t params_reset(struct params *self)
+{
+	uint64_t changed = 0;
+
+	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+		changed |= to_default(self, i);
+	}
+	return changed;
+}
+
+uint64_t params_load(struct params *self, const int32_t values[PARAM_COUNT])
+{
+	uint64_t repaired = 0;
+
+	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+		self->values[i] = values[i];
+		if (!in_range(i, values[i])) {
+			repaired |= to_default(self, i);
+		}
+	}
+	/* A repair may break a rule next to it; once all members are defaults, all rules hold. */
+	for (uint32_t pass = 0; pass < RULES; pass++) {
+		for (uint32_t i = 0; i < RULES; i++) {
+			if (!holds(&rules[i], self->values)) {
+				repaired |= to_default(self, rules[i].less);
+				repaired |= to_default(self, rules[i].more);
+			}
+		}
+	}
+	return repaired;
+}
+
+uint64_t params_group_mask(enum param_group group)
+{
+	uint64_t mask = 0;
+
+	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+		mask |= (table[i].group == group) ? PARAM_MASK(i) : 0;
+	}
+	return mask;
+}
+
+static uint32_t unsigned_value(const struct params *self, enum param_id id)
+{
+	PHAROS_ASSERT(self->values[id] >= 0);
+	return (uint32_t)self->values[id];
+}
+
+static uint32_t ms_as_us(const struct params *self, enum param_id id)
+{
+	return unsigned_value(self, id) * US_PER_MS;
+}
+
+void params_illuminator(const struct params *self, struct illuminator_config *config)
+{
+	*config = (struct illuminator_config){
+		.min_period_us = unsigned_value(self, PARAM_STRB_MIN_US),
+		.max_period_us = unsigned_value(self, PARAM_STRB_MAX_US),
+		.curve = (enum illuminator_curve)self->values[PARAM_LGT_CURVE],
+	};
+}
+
+void params_thermal(const struct params *self, struct thermal_config *config)
+{
+	*config = (struct thermal_config){
+		.throttle_mdegc = self->values[PARAM_THR_THROTTLE],
+		.shutdown_mdegc = self->values[PARAM_THR_SHUTDOWN],
+		.recover_mdegc = self->values[PARAM_THR_RECOVER],
+		.hysteresis_mdegc = self->values[PARAM_THR_HYST],
+		.min_mdegc = self->values[PARAM_THR_SENS_MIN],
+		.max_mdegc = self->values[PARAM_THR_SENS_MAX],
+		.noise_mdegc = self->values[PARAM_THR_NOISE],
+		.max_rate_mdegc_per_s = unsigned_value(self, PARAM_THR_RATE),
+		.floor_ppm = unsigned_value(self, PARAM_THR_FLOOR),
+		.safe_ppm = unsigned_value(self, PARAM_THR_SAFE),
+		.slew_ppm_per_s = unsigned_value(self, PARAM_THR_SLEW),
+		.stuck_us = ms_as_us(self, PARAM_THR_STUCK_MS),
+		.missing_us = ms_as_us(self, PARAM_THR_MISS_MS),
+		.good_samples = unsigned_value(self, PARAM_THR_GOOD_N),
+	};
+}
+
+void params_sync(const struct params *self, struct sync_config *config)
+{
+	*config = (struct sync_config){
+		.mode = (enum sync_mode)self->values[PARAM_SYNC_MODE],
+		.polarity = (enum sync_polarity)self->values[PARAM_SYNC_POL],
+		.retrigger = (enum sync_retrigger)self->values[PARAM_SYNC_RETRIG],
+		.policy = (enum sync_policy)self->values[PARAM_SYNC_LOSS],
+		.filter_us = unsigned_value(self, PARAM_SYNC_FILT_US),
+		.pulse_us = unsigned_value(self, PARAM_SYNC_PULSE_US),
+		.timeout_us = ms_as_us(self, PARAM_SYNC_LOSS_MS),
+	};
+}
+
+void params_arbiter(const struct params *self, struct arbiter_config *config)
+{
+	*config = (struct arbiter_config){
+		.priority = (enum arbiter_source)self->values[PARAM_LGT_SRC_PRIO],
+		.fallback = (enum illuminator_fallback)self->values[PARAM_LGT_FALLBACK],
+		.excluded = unsigned_value(self, PARAM_LGT_SRC_EXCL),
+		.hold_us = ms_as_us(self, PARAM_LGT_SRC_HOLD),
+		.loss_us = ms_as_us(self, PARAM_LGT_LOSS_MS),
+	};
+}
+
+const char *params_result_name(enum params_result result)
+{
+	switch (result) {
+	case PARAMS_OK:
+		return "ok";
+	case PARAMS_UNKNOWN:
+		return "unknown";
+	case PARAMS_READ_ONLY:
+		return "read only";
+	case PARAMS_OUT_OF_RANGE:
+		return "out of range";
+	case PARAMS_CONFLICT:
+		return "conflicts with another parameter";
+	}
+	PHAROS_ASSERT(false);
+	return "";
+}
