@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Between the Zephyr side of the native UART (uart_host.c) and the host's wires (uart_host_wire.c). No header of
+ * either side is included here.
+ */
+#ifndef UART_HOST_WIRE_H_
+#define UART_HOST_WIRE_H_
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct wire;
+
+/* The wire of that option ("uart0", "console"); NULL: there is none. */
+struct wire *uart_host_wire_find(const char *name);
+
+/* on_rx(arg) is called in interrupt context whenever bytes have come. */
+void uart_host_wire_open(struct wire *wire, void (*on_rx)(void *arg), void *arg);
+
+/* Bytes to read, and reading them: how many were there, at most size. */
+size_t uart_host_wire_available(const struct wire *wire);
+size_t uart_host_wire_read(struct wire *wire, uint8_t *data, size_t size);
+
+/* One datagram; how many bytes were taken. */
+size_t uart_host_wire_write(struct wire *wire, const uint8_t *data, size_t length);
+
+/* One byte, gathered with its neighbours into a datagram. */
+void uart_host_wire_put(struct wire *wire, uint8_t byte);
+
+/* Bits per second as the command line says. */
+uint32_t uart_host_wire_baud(const struct wire *wire);
+
+/* 0; -EINVAL: the serial port behind cannot; any other wire has no baud rate of its own and takes all. */
+int uart_host_wire_set_baud(struct wire *wire, uint32_t baud);
+
+/* The option ",paced": bytes take the time that the baud rate gives them. */
+bool uart_host_wire_paced(const struct wire *wire);
+
+#endif
