@@ -48,7 +48,7 @@ __weak void assert_post_action(const char *file, unsigned int line)
 	k_panic();
 }
 
-void k_fatal_halt(unsigned int reason)
+__weak void k_fatal_halt(unsigned int reason)
 {
 	ARG_UNUSED(reason);
 	port_reset(RESET_CAUSE_CPU_LOCKUP);

@@ -14,8 +14,16 @@
 #define NATIVE_SECTION_START(secname) __start_native_##secname
 #define NATIVE_SECTION_STOP(secname)  __stop_native_##secname
 
+/* gcc would reverse the objects of a file; clang keeps their order. */
+#if defined(__clang__)
+#define NATIVE_IN_ORDER
+#else
+#define NATIVE_IN_ORDER __attribute__((no_reorder))
+#endif
+
 #define TYPE_SECTION_ITERABLE(type, varname, secname, section_postfix)                             \
-	type varname __attribute__((section("native_" #secname), used, aligned(__alignof__(type))))
+	NATIVE_IN_ORDER type varname                                                               \
+		__attribute__((section("native_" #secname), used, aligned(__alignof__(type))))
 
 #define STRUCT_SECTION_ITERABLE(struct_type, varname)                                              \
 	TYPE_SECTION_ITERABLE(struct struct_type, varname, struct_type, varname)

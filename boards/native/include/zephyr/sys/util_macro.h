@@ -140,205 +140,176 @@
                      x14, x15)                                                                     \
 	NATIVE_FE_15(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14)                                                                          \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 15, x15)
+	NATIVE_DEBRACKET sep W(F, arg, 15, x15)
 #define NATIVE_FE_17(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16)                                                                \
 	NATIVE_FE_16(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15)                                                                     \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 16, x16)
+	NATIVE_DEBRACKET sep W(F, arg, 16, x16)
 #define NATIVE_FE_18(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17)                                                           \
 	NATIVE_FE_17(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16)                                                                \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 17, x17)
+	NATIVE_DEBRACKET sep W(F, arg, 17, x17)
 #define NATIVE_FE_19(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18)                                                      \
 	NATIVE_FE_18(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17)                                                           \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 18, x18)
+	NATIVE_DEBRACKET sep W(F, arg, 18, x18)
 #define NATIVE_FE_20(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19)                                                 \
 	NATIVE_FE_19(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18)                                                      \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 19, x19)
+	NATIVE_DEBRACKET sep W(F, arg, 19, x19)
 #define NATIVE_FE_21(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20)                                            \
 	NATIVE_FE_20(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19)                                                 \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 20, x20)
+	NATIVE_DEBRACKET sep W(F, arg, 20, x20)
 #define NATIVE_FE_22(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21)                                       \
 	NATIVE_FE_21(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20)                                            \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 21, x21)
+	NATIVE_DEBRACKET sep W(F, arg, 21, x21)
 #define NATIVE_FE_23(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22)                                  \
 	NATIVE_FE_22(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21)                                       \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 22, x22)
+	NATIVE_DEBRACKET sep W(F, arg, 22, x22)
 #define NATIVE_FE_24(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23)                             \
 	NATIVE_FE_23(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22)                                  \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 23, x23)
+	NATIVE_DEBRACKET sep W(F, arg, 23, x23)
 #define NATIVE_FE_25(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24)                        \
 	NATIVE_FE_24(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23)                             \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 24, x24)
+	NATIVE_DEBRACKET sep W(F, arg, 24, x24)
 #define NATIVE_FE_26(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25)                   \
 	NATIVE_FE_25(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24)                        \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 25, x25)
+	NATIVE_DEBRACKET sep W(F, arg, 25, x25)
 #define NATIVE_FE_27(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26)              \
 	NATIVE_FE_26(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25)                   \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 26, x26)
+	NATIVE_DEBRACKET sep W(F, arg, 26, x26)
 #define NATIVE_FE_28(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27)         \
 	NATIVE_FE_27(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26)              \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 27, x27)
+	NATIVE_DEBRACKET sep W(F, arg, 27, x27)
 #define NATIVE_FE_29(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28)    \
 	NATIVE_FE_28(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27)         \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 28, x28)
+	NATIVE_DEBRACKET sep W(F, arg, 28, x28)
 #define NATIVE_FE_30(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29)                                                                          \
 	NATIVE_FE_29(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28)    \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 29, x29)
+	NATIVE_DEBRACKET sep W(F, arg, 29, x29)
 #define NATIVE_FE_31(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30)                                                                     \
 	NATIVE_FE_30(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29)                                                                          \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 30, x30)
+	NATIVE_DEBRACKET sep W(F, arg, 30, x30)
 #define NATIVE_FE_32(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31)                                                                \
 	NATIVE_FE_31(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30)                                                                     \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 31, x31)
+	NATIVE_DEBRACKET sep W(F, arg, 31, x31)
 #define NATIVE_FE_33(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32)                                                           \
 	NATIVE_FE_32(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31)                                                                \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 32, x32)
+	NATIVE_DEBRACKET sep W(F, arg, 32, x32)
 #define NATIVE_FE_34(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33)                                                      \
 	NATIVE_FE_33(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32)                                                           \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 33, x33)
+	NATIVE_DEBRACKET sep W(F, arg, 33, x33)
 #define NATIVE_FE_35(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34)                                                 \
 	NATIVE_FE_34(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33)                                                      \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 34, x34)
+	NATIVE_DEBRACKET sep W(F, arg, 34, x34)
 #define NATIVE_FE_36(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35)                                            \
 	NATIVE_FE_35(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34)                                                 \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 35, x35)
+	NATIVE_DEBRACKET sep W(F, arg, 35, x35)
 #define NATIVE_FE_37(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36)                                       \
 	NATIVE_FE_36(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35)                                            \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 36, x36)
+	NATIVE_DEBRACKET sep W(F, arg, 36, x36)
 #define NATIVE_FE_38(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37)                                  \
 	NATIVE_FE_37(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36)                                       \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 37, x37)
+	NATIVE_DEBRACKET sep W(F, arg, 37, x37)
 #define NATIVE_FE_39(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38)                             \
 	NATIVE_FE_38(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37)                                  \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 38, x38)
+	NATIVE_DEBRACKET sep W(F, arg, 38, x38)
 #define NATIVE_FE_40(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39)                        \
 	NATIVE_FE_39(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38)                             \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 39, x39)
+	NATIVE_DEBRACKET sep W(F, arg, 39, x39)
 #define NATIVE_FE_41(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40)                   \
 	NATIVE_FE_40(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39)                        \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 40, x40)
+	NATIVE_DEBRACKET sep W(F, arg, 40, x40)
 #define NATIVE_FE_42(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41)              \
 	NATIVE_FE_41(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40)                   \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 41, x41)
+	NATIVE_DEBRACKET sep W(F, arg, 41, x41)
 #define NATIVE_FE_43(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42)         \
 	NATIVE_FE_42(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41)              \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 42, x42)
+	NATIVE_DEBRACKET sep W(F, arg, 42, x42)
 #define NATIVE_FE_44(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43)    \
 	NATIVE_FE_43(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42)         \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 43, x43)
+	NATIVE_DEBRACKET sep W(F, arg, 43, x43)
 #define NATIVE_FE_45(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
@@ -346,8 +317,7 @@
 	NATIVE_FE_44(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43)    \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 44, x44)
+	NATIVE_DEBRACKET sep W(F, arg, 44, x44)
 #define NATIVE_FE_46(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
@@ -356,8 +326,7 @@
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
 	             x44)                                                                          \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 45, x45)
+	NATIVE_DEBRACKET sep W(F, arg, 45, x45)
 #define NATIVE_FE_47(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
@@ -366,8 +335,7 @@
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
 	             x44, x45)                                                                     \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 46, x46)
+	NATIVE_DEBRACKET sep W(F, arg, 46, x46)
 #define NATIVE_FE_48(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
@@ -376,8 +344,7 @@
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
 	             x44, x45, x46)                                                                \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 47, x47)
+	NATIVE_DEBRACKET sep W(F, arg, 47, x47)
 #define NATIVE_FE_49(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
@@ -386,8 +353,7 @@
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
 	             x44, x45, x46, x47)                                                           \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 48, x48)
+	NATIVE_DEBRACKET sep W(F, arg, 48, x48)
 #define NATIVE_FE_50(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
@@ -396,8 +362,7 @@
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
 	             x44, x45, x46, x47, x48)                                                      \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 49, x49)
+	NATIVE_DEBRACKET sep W(F, arg, 49, x49)
 #define NATIVE_FE_51(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
@@ -406,8 +371,7 @@
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
 	             x44, x45, x46, x47, x48, x49)                                                 \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 50, x50)
+	NATIVE_DEBRACKET sep W(F, arg, 50, x50)
 #define NATIVE_FE_52(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
@@ -416,8 +380,7 @@
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
 	             x44, x45, x46, x47, x48, x49, x50)                                            \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 51, x51)
+	NATIVE_DEBRACKET sep W(F, arg, 51, x51)
 #define NATIVE_FE_53(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
@@ -426,8 +389,7 @@
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
 	             x44, x45, x46, x47, x48, x49, x50, x51)                                       \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 52, x52)
+	NATIVE_DEBRACKET sep W(F, arg, 52, x52)
 #define NATIVE_FE_54(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
@@ -436,8 +398,7 @@
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
 	             x44, x45, x46, x47, x48, x49, x50, x51, x52)                                  \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 53, x53)
+	NATIVE_DEBRACKET sep W(F, arg, 53, x53)
 #define NATIVE_FE_55(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
@@ -446,8 +407,7 @@
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
 	             x44, x45, x46, x47, x48, x49, x50, x51, x52, x53)                             \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 54, x54)
+	NATIVE_DEBRACKET sep W(F, arg, 54, x54)
 #define NATIVE_FE_56(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
@@ -456,8 +416,7 @@
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
 	             x44, x45, x46, x47, x48, x49, x50, x51, x52, x53, x54)                        \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 55, x55)
+	NATIVE_DEBRACKET sep W(F, arg, 55, x55)
 #define NATIVE_FE_57(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
@@ -466,8 +425,7 @@
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
 	             x44, x45, x46, x47, x48, x49, x50, x51, x52, x53, x54, x55)                   \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 56, x56)
+	NATIVE_DEBRACKET sep W(F, arg, 56, x56)
 #define NATIVE_FE_58(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
@@ -476,8 +434,7 @@
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
 	             x44, x45, x46, x47, x48, x49, x50, x51, x52, x53, x54, x55, x56)              \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 57, x57)
+	NATIVE_DEBRACKET sep W(F, arg, 57, x57)
 #define NATIVE_FE_59(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
@@ -486,8 +443,7 @@
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
 	             x44, x45, x46, x47, x48, x49, x50, x51, x52, x53, x54, x55, x56, x57)         \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 58, x58)
+	NATIVE_DEBRACKET sep W(F, arg, 58, x58)
 #define NATIVE_FE_60(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
@@ -497,8 +453,7 @@
 	             x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
 	             x44, x45, x46, x47, x48, x49, x50, x51, x52, x53, x54, x55, x56, x57, x58)    \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 59, x59)
+	NATIVE_DEBRACKET sep W(F, arg, 59, x59)
 #define NATIVE_FE_61(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
@@ -509,8 +464,7 @@
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
 	             x44, x45, x46, x47, x48, x49, x50, x51, x52, x53, x54, x55, x56, x57, x58,    \
 	             x59)                                                                          \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 60, x60)
+	NATIVE_DEBRACKET sep W(F, arg, 60, x60)
 #define NATIVE_FE_62(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
@@ -521,8 +475,7 @@
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
 	             x44, x45, x46, x47, x48, x49, x50, x51, x52, x53, x54, x55, x56, x57, x58,    \
 	             x59, x60)                                                                     \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 61, x61)
+	NATIVE_DEBRACKET sep W(F, arg, 61, x61)
 #define NATIVE_FE_63(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
@@ -533,8 +486,7 @@
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
 	             x44, x45, x46, x47, x48, x49, x50, x51, x52, x53, x54, x55, x56, x57, x58,    \
 	             x59, x60, x61)                                                                \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 62, x62)
+	NATIVE_DEBRACKET sep W(F, arg, 62, x62)
 #define NATIVE_FE_64(W, F, sep, arg, x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13,   \
                      x14, x15, x16, x17, x18, x19, x20, x21, x22, x23, x24, x25, x26, x27, x28,    \
                      x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
@@ -545,8 +497,7 @@
 	             x29, x30, x31, x32, x33, x34, x35, x36, x37, x38, x39, x40, x41, x42, x43,    \
 	             x44, x45, x46, x47, x48, x49, x50, x51, x52, x53, x54, x55, x56, x57, x58,    \
 	             x59, x60, x61, x62)                                                           \
-	NATIVE_DEBRACKET sep                                                                       \
-	W(F, arg, 63, x63)
+	NATIVE_DEBRACKET sep W(F, arg, 63, x63)
 
 /* LISTIFY(n, F, (sep), …): F(0, …) sep F(1, …) … F(n - 1, …); n: a literal 0…64. */
 #define LISTIFY(n, F, sep, ...)     NATIVE_LIST(n, F, sep, __VA_ARGS__)
