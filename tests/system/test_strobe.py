@@ -57,7 +57,7 @@ def test_drift_is_zero_over_a_day(udp_light: Light) -> None:
     reported = round(udp_light.status().strobe_period * 1e6)
     assert reported == period_us
     udp_light.sim.advance(s=86_400 - 10)
-    udp_light.sim.edges_skip()
+    udp_light.sim.skip_edges()
     udp_light.sim.advance(s=20)
     rising = [e.time_us for e in udp_light.sim.edges() if e.level_ppm]
     assert len(rising) >= 139

@@ -64,10 +64,10 @@ class Link(ABC):
         self.inbox.append(data)
         return True
 
-    def fetch(self, count: int, timeout_s: float = FETCH_TIMEOUT_S) -> None:
+    def fetch(self, count: int, timeout_s: float | None = None) -> None:
         """Moves exactly `count` more bytes into the inbox."""
         want = self.received + count
-        deadline = time.monotonic() + timeout_s
+        deadline = time.monotonic() + (FETCH_TIMEOUT_S if timeout_s is None else timeout_s)
         while self.received < want:
             if not self.poll(max(0.0, deadline - time.monotonic())) and (
                 time.monotonic() >= deadline

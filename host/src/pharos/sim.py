@@ -29,6 +29,8 @@ CHUNK_MIN_US = 100_000
 CHUNK_MAX_US = 60_000_000
 CHUNK_START_US = 1_000_000
 CHUNK_BYTES = 1024
+# Changes of the output that one reply may list.
+EDGES_MAX = 10_000
 
 
 @dataclass(frozen=True)
@@ -250,13 +252,20 @@ class Simulator:
         return self.request("outputs")
 
     def edges(self) -> list[Edge]:
-        """Changes of the lamp's output since the last call, oldest first."""
+        """Changes of the lamp's output since the last call, oldest first. SimulatorError if there
+        were more than the light keeps."""
         edges: list[Edge] = []
         while True:
-            reply = self.request("edges")
+            reply = self.request("edges", max=EDGES_MAX)
+            if reply["lost"]:
+                raise SimulatorError(f"{reply['lost']} edges were not fetched in time")
             edges += [Edge(int(t), int(level)) for t, level in reply["edges"]]
-            if not reply.get("more"):
+            if not reply["more"]:
                 return edges
+
+    def skip_edges(self) -> None:
+        """The next edges() reports what changes from now on."""
+        self.request("edges", since=int(self.outputs()["changes"]))
 
     def set(self, **values: Any) -> dict[str, Any]:
         """Sets the surroundings: ambient temperature, fan …"""
