@@ -124,7 +124,9 @@ def property_lines(prefix: str, prop: edtlib.Property) -> Iterator[str]:
     elif kind in ("int", "boolean"):
         yield f"{prefix} {int(value)}"
     else:
-        raise GeneratorError(f"{prop.node.path}: property {prop.name}: type {kind} is not supported")
+        raise GeneratorError(
+            f"{prop.node.path}: property {prop.name}: type {kind} is not supported"
+        )
     if prop.enum_index is not None:
         yield f"{prefix}_ENUM_IDX {prop.enum_index}"
 
