@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import struct
 from collections.abc import Sequence
 from pathlib import Path
@@ -128,6 +129,28 @@ class Light:
         self.mav.drain()
         self.mav.inbox.clear()
         return self.mav.pass_time(round(seconds * 1e6))
+
+
+# The wire of the device's own shell.
+CONSOLE = "pty:{folder}/shell"
+
+
+class Shell:
+    """Types lines at the console and reads what comes back, without colours and cursor movement."""
+
+    def __init__(self, sim: Simulator) -> None:
+        self._sim = sim
+        self._link = sim.open("console")
+        self("")
+
+    def keys(self, keys: str, pass_us: int = 300_000) -> str:
+        self._link.send(keys.encode())
+        self._sim.advance(pass_us)
+        text = b"".join(self._link.take()).decode(errors="replace")
+        return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", text).replace("\r", "")
+
+    def __call__(self, line: str) -> str:
+        return self.keys(line + "\r")
 
 
 def of(kind: str, messages: Sequence[Any]) -> list[Any]:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import pytest
@@ -10,6 +11,8 @@ import pytest
 from harness import (
     ACCEPTED,
     CONFIGURE,
+    DENIED,
+    INFORMATION,
     INTERNAL,
     ON_OFF,
     REQUEST_MESSAGE,
@@ -101,6 +104,27 @@ def test_each_link_keeps_its_own_protocol_version(
     for client in clients:
         ack = client.command_long(ON_OFF, 0)
         assert ack.get_msgbuf()[0] == (0xFE if client is clients[1] else 0xFD)
+
+
+@pytest.mark.parametrize(
+    ("param7", "who"), [(0.0, "asker"), (1.0, "asker"), (math.nan, "asker"), (2.0, "all")]
+)
+def test_param7_says_who_gets_the_requested_message(
+    four: tuple[Simulator, list[MavlinkConnection]], param7: float, who: str
+) -> None:
+    sim, clients = four
+    for client in clients:
+        ack = client.command_long(REQUEST_MESSAGE, INFORMATION, 0, 0, 0, 0, 0, param7)
+        assert ack.result == ACCEPTED
+        for other in clients:
+            got = len(of("COMPONENT_INFORMATION_BASIC", other.pass_time(0)))
+            assert got == (1 if other is client or who == "all" else 0)
+
+
+def test_unknown_param7_is_denied(light: Light) -> None:
+    for param7 in (3, -1, 0.5, math.inf):
+        ack = light.mav.command_long(REQUEST_MESSAGE, STATUS, 0, 0, 0, 0, 0, param7)
+        assert ack.result == DENIED
 
 
 def test_several_tcp_clients_are_served(start: Callable[..., Simulator]) -> None:

@@ -8,34 +8,15 @@ from collections.abc import Callable
 
 import pytest
 
-from harness import FULL_PPM, WIRES, Light, light_on
-from pharos import Link, Simulator
-
-
-class Shell:
-    """Types lines and reads what comes back, without colours and cursor movement."""
-
-    def __init__(self, sim: Simulator, link: Link) -> None:
-        self._sim = sim
-        self._link = link
-
-    def keys(self, keys: str, pass_us: int = 300_000) -> str:
-        self._link.send(keys.encode())
-        self._sim.advance(pass_us)
-        text = b"".join(self._link.take()).decode(errors="replace")
-        return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", text).replace("\r", "")
-
-    def __call__(self, line: str) -> str:
-        return self.keys(line + "\r")
+from harness import CONSOLE, FULL_PPM, WIRES, Light, Shell, light_on
+from pharos import Simulator
 
 
 @pytest.fixture
 def both(start: Callable[..., Simulator]) -> tuple[Light, Shell]:
-    sim = start({"uart0": WIRES["udp"], "console": "pty:{folder}/shell"})
+    sim = start({"uart0": WIRES["udp"], "console": CONSOLE})
     light = light_on(sim)
-    shell = Shell(sim, sim.open("console"))
-    shell("")
-    return light, shell
+    return light, Shell(sim)
 
 
 def test_light_on_and_off(both: tuple[Light, Shell]) -> None:

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Settings outlast resets, restarts and power cuts: the old or the new, never a mix."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from harness import ACCEPTED, CONSOLE, DENIED, WIRES, Light, Shell, light_on
+from pharos import Simulator
+
+OLD, NEW = 10_000, 50_000  # of STRB_MIN_US: its default, and what is set
+
+
+@pytest.fixture
+def boot(start: Callable[..., Simulator], tmp_path: Path) -> Callable[[], tuple[Light, Shell]]:
+    """Starts a light whose settings lie in one file."""
+
+    def begin() -> tuple[Light, Shell]:
+        sim = start(
+            {"uart0": WIRES["udp"], "console": CONSOLE},
+            options=["--settings", str(tmp_path / "settings")],
+        )
+        return light_on(sim), Shell(sim)
+
+    return begin
+
+
+def _value(shell: Shell, name: str) -> int:
+    found = re.search(rf"^{name}\s+(-?\d+)", shell(f"param get {name}"), re.MULTILINE)
+    assert found is not None
+    return int(found[1])
+
+
+def test_parameter_is_in_force_at_once(boot: Callable[[], tuple[Light, Shell]]) -> None:
+    light, shell = boot()
+    assert light.configure(period_s=0.02, duty=50) == ACCEPTED
+    shell(f"param set STRB_MIN_US {NEW}")
+    assert light.status().min_strobe_period == pytest.approx(0.05)
+    assert light.configure(period_s=0.02, duty=50) == DENIED
+
+
+def test_parameter_survives_a_reset_and_a_restart(
+    boot: Callable[[], tuple[Light, Shell]],
+) -> None:
+    light, shell = boot()
+    shell(f"param set STRB_MIN_US {NEW}")
+    light.sim.advance(s=5)
+    light.sim.reset()
+    light.greet()
+    assert _value(shell, "STRB_MIN_US") == NEW
+    assert light.sim.quit() == 0
+    _, shell = boot()
+    assert _value(shell, "STRB_MIN_US") == NEW
+
+
+def test_parameter_out_of_range_is_refused(boot: Callable[[], tuple[Light, Shell]]) -> None:
+    _, shell = boot()
+    assert "out of range" in shell("param set STRB_MIN_US 1")
+    assert "param list" in shell("param set NO_SUCH 1")
+    assert _value(shell, "STRB_MIN_US") == OLD
+
+
+@pytest.mark.parametrize("byte", [*range(0, 40, 3), 100])
+def test_power_cut_at_any_byte_of_a_write_leaves_the_old_or_the_new(
+    boot: Callable[[], tuple[Light, Shell]], byte: int
+) -> None:
+    light, shell = boot()
+    light.sim.fault("storage", "torn", byte=byte)
+    shell(f"param set STRB_MIN_US {NEW}")
+    light.sim.advance(s=5)
+    light.sim.request("reset", cause="brownout")
+    light.greet()
+    assert _value(shell, "STRB_MIN_US") in (OLD, NEW)
+    # The store works again, and a later write is kept.
+    shell("param set STRB_MIN_US 70000")
+    light.sim.advance(s=5)
+    light.sim.reset()
+    light.greet()
+    assert _value(shell, "STRB_MIN_US") == 70_000
+
+
+def test_lamp_stays_dark_after_a_reset_unless_it_shall_be_restored(
+    boot: Callable[[], tuple[Light, Shell]],
+) -> None:
+    light, shell = boot()
+    light.configure(60, 0.5, 25)
+    light.on()
+    light.sim.advance(s=5)
+    light.sim.reset()
+    light.greet()
+    assert light.status().enable == 0
+    shell("param set LGT_RESTORE 1")
+    light.configure(60, 0.5, 25)
+    light.on()
+    light.sim.advance(s=5)
+    light.sim.reset()
+    light.greet()
+    status = light.status()
+    assert (status.enable, status.brightness, status.strobe_period) == (1, 60.0, 0.5)
