@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "proto/mavlink/dialect.h"
+#include "proto/mavlink/internal.h"
+
+#include <string.h>
+
+/* param7 of 510, 511, 512: who gets the answer. NaN is how some clients say "not given". */
+enum response_target {
+	RESPONSE_DEFAULT,
+	RESPONSE_REQUESTER,
+	RESPONSE_BROADCAST,
+};
+
+bool mavlink_whole(float wire, uint32_t max, uint32_t *whole)
+{
+	/* max as a float may round up; the second comparison is exact. */
+	if (!(wire >= 0.0f && wire < 4294967296.0f)) {
+		return false;
+	}
+	*whole = (uint32_t)wire;
+	return (float)*whole == wire && *whole <= max;
+}
+
+static bool response_links(const struct mavlink_context *context, float wire, uint8_t *links)
+{
+	uint32_t target = RESPONSE_DEFAULT;
+
+	if (wire == wire && !mavlink_whole(wire, RESPONSE_BROADCAST, &target)) {
+		return false;
+	}
+	*links = (uint8_t)(1u << context->link);
+	if (target == RESPONSE_BROADCAST) {
+		*links |= context->endpoint->config.links;
+	}
+	return true;
+}
+
+/* Message id of param1, if the component has that message. */
+static const struct mavlink_message_row *message_of(const struct mavlink_context *context,
+                                                    const struct mavlink_command *command)
+{
+	uint32_t id;
+
+	if (!mavlink_whole(command->param[0], MAVLINK_MESSAGE_ID_MAX, &id)) {
+		return NULL;
+	}
+	return mavlink_message_find(context->component, id);
+}
+
+/* interval of SET_MESSAGE_INTERVAL: -1 off, 0 default, else µs not faster than the fastest. */
+static bool interval_of(float wire, int32_t default_us, int32_t *interval_us)
+{
+	uint32_t whole;
+
+	if (wire == -1.0f) {
+		*interval_us = MAVLINK_INTERVAL_OFF;
+		return true;
+	}
+	if (!mavlink_whole(wire, INT32_MAX, &whole)) {
+		return false;
+	}
+	*interval_us = whole == 0 ? default_us : (int32_t)whole;
+	return whole == 0 || whole >= MAVLINK_INTERVAL_MIN_US;
+}
+
+uint8_t mavlink_set_message_interval(const struct mavlink_context *context,
+                                     const struct mavlink_command *command,
+                                     struct mavlink_reply *reply)
+{
+	const struct mavlink_message_row *const row = message_of(context, command);
+	int32_t interval_us;
+	uint8_t links;
+
+	(void)reply;
+	if (row == NULL || !interval_of(command->param[1], row->interval_us, &interval_us) ||
+	    !response_links(context, command->param[6], &links)) {
+		return MAV_RESULT_DENIED;
+	}
+	if ((row->flags & MAVLINK_MESSAGE_FIXED) != 0 && interval_us != row->interval_us) {
+		return MAV_RESULT_DENIED;
+	}
+	if (!mavlink_link_carries(context->endpoint, context->link, row->kind.id)) {
+		return MAV_RESULT_FAILED;
+	}
+	mavlink_stream_set(context, row, links, interval_us);
+	return MAV_RESULT_ACCEPTED;
+}
+
+static uint8_t reply_with(const struct mavlink_context *context,
+                          const struct mavlink_message_row *row, float argument, uint8_t links,
+                          struct mavlink_reply *reply)
+{
+	if (!mavlink_link_carries(context->endpoint, context->link, row->kind.id)) {
+		return MAV_RESULT_FAILED;
+	}
+	memset(reply->payload.bytes, 0, row->kind.length);
+
+	const uint8_t result = row->fill(context, argument, reply->payload.bytes);
+
+	if (result == MAV_RESULT_ACCEPTED) {
+		reply->row = row;
+		reply->links = links;
+	}
+	return result;
+}
+
+uint8_t mavlink_get_message_interval(const struct mavlink_context *context,
+                                     const struct mavlink_command *command,
+                                     struct mavlink_reply *reply)
+{
+	const struct mavlink_message_row *const row =
+		mavlink_message_find(context->component, MAVLINK_MSG_ID_MESSAGE_INTERVAL);
+	uint8_t links;
+
+	if (row == NULL || !response_links(context, command->param[6], &links)) {
+		return MAV_RESULT_DENIED;
+	}
+	return reply_with(context, row, command->param[0], links, reply);
+}
+
+uint8_t mavlink_request_message(const struct mavlink_context *context,
+                                const struct mavlink_command *command, struct mavlink_reply *reply)
+{
+	const struct mavlink_message_row *const row = message_of(context, command);
+	uint8_t links;
+
+	if (row == NULL || !response_links(context, command->param[6], &links)) {
+		return MAV_RESULT_DENIED;
+	}
+	return reply_with(context, row, command->param[1], links, reply);
+}
+
+static void acknowledge(const struct mavlink_context *context, uint16_t id, uint8_t result)
+{
+	static const struct mavlink_kind kind = MAVLINK_KIND(COMMAND_ACK);
+	mavlink_command_ack_t ack;
+
+	memset(&ack, 0, sizeof(ack));
+	ack.command = id;
+	ack.result = result;
+	ack.target_system = context->source_system;
+	ack.target_component = context->source_component;
+	(void)mavlink_send(context, context->link, &kind, &ack);
+}
+
+static uint8_t run(const struct mavlink_context *context, const struct mavlink_command *command,
+                   struct mavlink_reply *reply)
+{
+	const struct mavlink_profile *const profile = context->component->profile;
+
+	for (uint8_t i = 0; i < profile->command_count; i++) {
+		if (profile->commands[i].id == command->id) {
+			return profile->commands[i].run(context, command, reply);
+		}
+	}
+	return MAV_RESULT_UNSUPPORTED;
+}
+
+/* State first, then the acknowledgement, then what was asked for. */
+static void carry_out(const struct mavlink_context *context, const struct mavlink_command *command)
+{
+	struct mavlink_reply reply;
+
+	reply.row = NULL;
+	context->endpoint->links[context->link].stats.rx_commands++;
+	acknowledge(context, command->id, run(context, command, &reply));
+	if (reply.row == NULL) {
+		return;
+	}
+	for (uint8_t link = 0; link < MAVLINK_LINKS_MAX; link++) {
+		if ((reply.links & 1u << link) != 0) {
+			(void)mavlink_send(context, link, &reply.row->kind, reply.payload.bytes);
+		}
+	}
+}
+
+void mavlink_command_long(const struct mavlink_context *context, const struct mavlink_frame *frame)
+{
+	mavlink_command_long_t wire;
+
+	mavlink_frame_payload(frame, &wire, sizeof(wire));
+
+	const struct mavlink_command command = {
+		.id = wire.command,
+		.param = {wire.param1, wire.param2, wire.param3, wire.param4, wire.param5,
+	                  wire.param6, wire.param7},
+	};
+
+	carry_out(context, &command);
+}
+
+void mavlink_command_int(const struct mavlink_context *context, const struct mavlink_frame *frame)
+{
+	mavlink_command_int_t wire;
+
+	mavlink_frame_payload(frame, &wire, sizeof(wire));
+
+	const struct mavlink_command command = {
+		.id = wire.command,
+		.param = {wire.param1, wire.param2, wire.param3, wire.param4, (float)wire.x,
+	                  (float)wire.y, wire.z},
+	};
+
+	carry_out(context, &command);
+}

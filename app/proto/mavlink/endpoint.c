@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "proto/mavlink/endpoint.h"
+
+#include "core/assert.h"
+#include "proto/mavlink/internal.h"
+
+#include <string.h>
+
+void mavlink_endpoint_init(struct mavlink_endpoint *self,
+                           const struct mavlink_endpoint_config *config)
+{
+	PHAROS_ASSERT(config->system_id != 0);
+	PHAROS_ASSERT(config->links < 1u << MAVLINK_LINKS_MAX);
+	memset(self, 0, sizeof(*self));
+	self->config = *config;
+	self->due_us = TIME_NEVER_US;
+	mavlink_texts_init(&self->texts);
+}
+
+static struct mavlink_component *component_find(struct mavlink_endpoint *self, uint8_t id)
+{
+	for (uint8_t i = 0; i < self->component_count; i++) {
+		if (self->components[i].id == id) {
+			return &self->components[i];
+		}
+	}
+	return NULL;
+}
+
+void mavlink_endpoint_add(struct mavlink_endpoint *self, int64_t now_us, uint8_t id,
+                          const struct mavlink_profile *profile, void *service)
+{
+	PHAROS_ASSERT(self->component_count < MAVLINK_COMPONENTS_MAX);
+	PHAROS_ASSERT(id != 0 && component_find(self, id) == NULL);
+	PHAROS_ASSERT(profile->message_count <= MAVLINK_MESSAGES_MAX);
+
+	struct mavlink_component *const component = &self->components[self->component_count++];
+
+	component->profile = profile;
+	component->service = service;
+	component->id = id;
+	mavlink_streams_init(component, now_us);
+	self->due_us = now_us;
+}
+
+void mavlink_endpoint_set_system_id(struct mavlink_endpoint *self, uint8_t system_id)
+{
+	PHAROS_ASSERT(system_id != 0);
+	self->config.system_id = system_id;
+}
+
+/* The first frame decides what a link is spoken to in; version 2, once heard, stays. */
+static void link_heard(struct mavlink_link *link, uint8_t version)
+{
+	link->stats.rx_frames++;
+	if (version > link->version) {
+		link->version = version;
+	}
+}
+
+static bool is_for(const struct mavlink_endpoint *self, const struct mavlink_component *component,
+                   const struct mavlink_receiver_row *row, const struct mavlink_frame *frame)
+{
+	uint8_t system = 0;
+	uint8_t id = 0;
+
+	if (row->target_system_offset != MAVLINK_NO_TARGET) {
+		system = mavlink_frame_byte(frame, row->target_system_offset);
+	}
+	if (row->target_component_offset != MAVLINK_NO_TARGET) {
+		id = mavlink_frame_byte(frame, row->target_component_offset);
+	}
+	return (system == 0 || system == self->config.system_id) &&
+	       (id == 0 || id == component->id);
+}
+
+static void deliver(const struct mavlink_context *context, const struct mavlink_frame *frame)
+{
+	const struct mavlink_profile *const profile = context->component->profile;
+
+	for (uint8_t i = 0; i < profile->receiver_count; i++) {
+		const struct mavlink_receiver_row *const row = &profile->receivers[i];
+
+		if (row->id == frame->message_id &&
+		    is_for(context->endpoint, context->component, row, frame)) {
+			row->receive(context, frame);
+		}
+	}
+}
+
+void mavlink_endpoint_receive(struct mavlink_endpoint *self, int64_t now_us, uint8_t link,
+                              const uint8_t *bytes, size_t length, struct mavlink_outbox *out)
+{
+	struct mavlink_frame frame;
+
+	PHAROS_ASSERT(link < MAVLINK_LINKS_MAX);
+	mavlink_outbox_clear(out);
+	if (!mavlink_frame_view(bytes, length, &frame)) {
+		self->links[link].stats.rx_malformed++;
+		return;
+	}
+	if (frame.system_id == self->config.system_id &&
+	    component_find(self, frame.component_id) != NULL) {
+		self->links[link].stats.rx_echoes++;
+		return;
+	}
+	link_heard(&self->links[link], frame.version);
+
+	struct mavlink_context context = {
+		.endpoint = self,
+		.out = out,
+		.now_us = now_us,
+		.link = link,
+		.source_system = frame.system_id,
+		.source_component = frame.component_id,
+	};
+
+	for (uint8_t i = 0; i < self->component_count; i++) {
+		context.component = &self->components[i];
+		deliver(&context, &frame);
+	}
+}
+
+void mavlink_endpoint_step(struct mavlink_endpoint *self, int64_t now_us,
+                           struct mavlink_outbox *out)
+{
+	mavlink_outbox_clear(out);
+	if (now_us < self->due_us) {
+		return;
+	}
+
+	struct mavlink_context context = {.endpoint = self, .out = out, .now_us = now_us};
+
+	if (mavlink_streams_step(&context) && mavlink_texts_step(&context)) {
+		self->due_us = mavlink_streams_due_us(self);
+	}
+}
+
+int64_t mavlink_endpoint_deadline_us(const struct mavlink_endpoint *self)
+{
+	return self->due_us;
+}
+
+void mavlink_endpoint_observe(struct mavlink_endpoint *self, int64_t now_us,
+                              const struct illuminator_outbox *actions)
+{
+	struct mavlink_context context = {.endpoint = self, .now_us = now_us};
+
+	for (uint8_t i = 0; i < self->component_count; i++) {
+		context.component = &self->components[i];
+		if (context.component->profile->observe != NULL) {
+			context.component->profile->observe(&context, actions);
+		}
+	}
+}
+
+bool mavlink_send(const struct mavlink_context *context, uint8_t link,
+                  const struct mavlink_kind *kind, const void *payload)
+{
+	struct mavlink_outbox *const out = context->out;
+	struct mavlink_link *const to = &context->endpoint->links[link];
+	uint8_t *const sequence = &context->component->sequence[link];
+
+	PHAROS_ASSERT(mavlink_outbox_has_room(out));
+
+	const struct mavlink_sender sender = {
+		.version = to->version == 1 ? 1 : 2,
+		.sequence = *sequence,
+		.system_id = context->endpoint->config.system_id,
+		.component_id = context->component->id,
+	};
+	const size_t length = mavlink_frame_build(out->bytes + out->used, &sender, kind, payload);
+
+	if (length == 0) {
+		return false;
+	}
+	out->frames[out->count++] = (struct mavlink_outbox_frame){
+		.offset = out->used,
+		.length = (uint16_t)length,
+		.link = link,
+	};
+	out->used = (uint16_t)(out->used + length);
+	(*sequence)++;
+	to->stats.tx_frames++;
+	return true;
+}

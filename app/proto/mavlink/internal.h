@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What the endpoint's files share: commands, streams, texts, and rows that every component has.
+ */
+#ifndef PHAROS_PROTO_MAVLINK_INTERNAL_H
+#define PHAROS_PROTO_MAVLINK_INTERNAL_H
+
+#include "proto/mavlink/endpoint.h"
+#include "proto/mavlink/identity.h"
+
+/* --- command.c: receivers of COMMAND_LONG and COMMAND_INT, commands of every component ---------
+ */
+void mavlink_command_long(const struct mavlink_context *context, const struct mavlink_frame *frame);
+void mavlink_command_int(const struct mavlink_context *context, const struct mavlink_frame *frame);
+
+uint8_t mavlink_set_message_interval(const struct mavlink_context *context,
+                                     const struct mavlink_command *command,
+                                     struct mavlink_reply *reply);
+uint8_t mavlink_get_message_interval(const struct mavlink_context *context,
+                                     const struct mavlink_command *command,
+                                     struct mavlink_reply *reply);
+uint8_t mavlink_request_message(const struct mavlink_context *context,
+                                const struct mavlink_command *command, struct mavlink_reply *reply);
+
+/* --- stream.c --------------------------------------------------------------------------------- */
+
+/* Row of a message in the component's table; NULL: it has no such message. */
+const struct mavlink_message_row *mavlink_message_find(const struct mavlink_component *component,
+                                                       uint32_t id);
+
+/* All streams of a new component: default intervals, due at once. */
+void mavlink_streams_init(struct mavlink_component *component, int64_t now_us);
+
+/* interval_us: MAVLINK_INTERVAL_OFF or > 0. links: bit per link. */
+void mavlink_stream_set(const struct mavlink_context *context,
+                        const struct mavlink_message_row *row, uint8_t links, int32_t interval_us);
+
+int32_t mavlink_stream_interval_us(const struct mavlink_context *context,
+                                   const struct mavlink_message_row *row);
+
+/* Sends what is due. The context's component and link are set here. false: no room left. */
+bool mavlink_streams_step(struct mavlink_context *context);
+
+/* When the next stream of any component is due. */
+int64_t mavlink_streams_due_us(const struct mavlink_endpoint *endpoint);
+
+/* Can the link carry the message? Version 1 has ids up to 255. */
+bool mavlink_link_carries(const struct mavlink_endpoint *endpoint, uint8_t link, uint32_t id);
+
+/* --- text.c ----------------------------------------------------------------------------------- */
+void mavlink_texts_init(struct mavlink_texts *self);
+
+/* Sends what waits, from the first component. false: no room left. */
+bool mavlink_texts_step(struct mavlink_context *context);
+
+/* --- presence.c: rows that any component may have in its table ---------------------------------
+ */
+uint8_t mavlink_fill_heartbeat(const struct mavlink_context *context, float argument,
+                               void *payload);
+uint8_t mavlink_fill_protocol_version(const struct mavlink_context *context, float argument,
+                                      void *payload);
+uint8_t mavlink_fill_message_interval(const struct mavlink_context *context, float argument,
+                                      void *payload);
+void mavlink_fill_identity(const struct mavlink_identity *identity, int64_t now_us, void *payload);
+void mavlink_fill_version(const struct mavlink_identity *identity, void *payload);
+void mavlink_ping(const struct mavlink_context *context, const struct mavlink_frame *frame);
+/* TIMESYNC has come to have target ids as extensions; pymavlink 2.4.50 does not know them yet. */
+#define MAVLINK_TIMESYNC_TARGET_SYSTEM    16
+#define MAVLINK_TIMESYNC_TARGET_COMPONENT 17
+void mavlink_timesync(const struct mavlink_context *context, const struct mavlink_frame *frame);
+
+/* The whole number in a float of the wire. false: NaN, infinite, not whole, or out of 0…max. */
+bool mavlink_whole(float wire, uint32_t max, uint32_t *whole);
+
+#endif
