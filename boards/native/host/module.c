@@ -9,8 +9,8 @@ enum {
 };
 
 /* Bounds of the section, from the linker. */
-extern const struct host_module *const __start_host_modules[];
-extern const struct host_module *const __stop_host_modules[];
+extern const struct host_module *const __start_host_module_table[];
+extern const struct host_module *const __stop_host_module_table[];
 
 static const struct host_module *sorted[MODULES_MAX];
 static size_t sorted_count;
@@ -30,12 +30,12 @@ static int compare(const void *a, const void *b)
 const struct host_module *const *host_modules(size_t *count)
 {
 	if (sorted_count == 0) {
-		const size_t n = (size_t)(__stop_host_modules - __start_host_modules);
+		const size_t n = (size_t)(__stop_host_module_table - __start_host_module_table);
 
 		if (n > MODULES_MAX) {
 			abort();
 		}
-		memcpy(sorted, __start_host_modules, n * sizeof(sorted[0]));
+		memcpy(sorted, __start_host_module_table, n * sizeof(sorted[0]));
 		qsort(sorted, n, sizeof(sorted[0]), compare);
 		sorted_count = n;
 	}

@@ -41,9 +41,10 @@ struct host_module {
 	void (*stop)(void);
 };
 
+/* The section's name is no function's: the assembler would take a call for one into the section. */
 #define HOST_MODULE(var)                                                                           \
 	static const struct host_module var;                                                       \
-	__attribute__((section("host_modules"),                                                    \
+	__attribute__((section("host_module_table"),                                               \
 	               used)) static const struct host_module *const var##_entry = &var;           \
 	static const struct host_module var
 
