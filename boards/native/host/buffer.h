@@ -22,7 +22,7 @@ static inline size_t buffer_length(const struct buffer *buffer)
 
 static inline const uint8_t *buffer_bytes(const struct buffer *buffer)
 {
-	return buffer->data + buffer->head;
+	return buffer->data == NULL ? NULL : buffer->data + buffer->head;
 }
 
 /* Room for `length` more bytes at the end, at most `max` in all; NULL: it would be more. */
