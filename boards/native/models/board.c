@@ -2,6 +2,7 @@
 #include "models/board.h"
 
 #include <stddef.h>
+#include <string.h>
 
 /*
  * A 30 W lamp, of which 30 % becomes light, in a housing that also holds electronics of 4 W. Steady
@@ -60,7 +61,7 @@ void (*board_lines_interrupt)(uint32_t before, uint32_t after);
 
 void board_init(double ambient_c, uint64_t seed)
 {
-	board = (struct board){.lines = {0}};
+	memset(&board, 0, sizeof(board));
 	lamp_init(&board.lamp, LAMP_FULL_MW);
 	thermal_mass_init(&board.housing, &housing_params, ambient_c);
 	thermal_mass_set_heat(&board.housing, 0, ELECTRONICS_W);

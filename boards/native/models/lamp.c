@@ -2,12 +2,15 @@
 #include "models/lamp.h"
 
 #include <stddef.h>
+#include <string.h>
 
 #define PPM 1000000u
 
 void lamp_init(struct lamp *self, uint32_t full_mw)
 {
-	*self = (struct lamp){.full_mw = full_mw};
+	/* not by assignment: the log is too large for a temporary on a thread's stack */
+	memset(self, 0, sizeof(*self));
+	self->full_mw = full_mw;
 }
 
 void lamp_advance(struct lamp *self, int64_t now_us)
