@@ -17,7 +17,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-import dronecan.dsdl as dsdl
+import dronecan.dsdl as dsdl  # type: ignore[import-untyped]
 
 # The types used: full name -> (id, data type signature). Nested types follow by themselves.
 TYPES: dict[str, tuple[int, int]] = {
@@ -52,10 +52,11 @@ PREAMBLE = """\
 
 HEADER_MANUAL = """
 /*
- * _encode: false when size is too small, an array's length or a union's tag is out of range; integers
- * are saturated or truncated as the definition says. _decode: false when the payload is too short, or
- * a length or tag is out of range; nothing of *out may be used then. Bytes beyond the end of the type
- * are ignored (CAN FD pads). tao: tail array optimisation; true on classic CAN, false on CAN FD.
+ * _encode: false when size is too small, an array's length or a union's tag is out of range;
+ * integers are saturated or truncated as the definition says. _decode: false when the payload is
+ * too short, or a length or tag is out of range; nothing of *out may be used then. Bytes beyond the
+ * end of the type are ignored (CAN FD pads). tao: tail array optimisation; true on classic CAN,
+ * false on CAN FD.
  */
 """
 
@@ -148,7 +149,9 @@ def shapes_of(kind: Any) -> list[Shape]:
     name = c_name(kind.full_name)
     return [
         Shape(name + "_request", kind.request_fields, kind.request_union, kind.request_constants),
-        Shape(name + "_response", kind.response_fields, kind.response_union, kind.response_constants),
+        Shape(
+            name + "_response", kind.response_fields, kind.response_union, kind.response_constants
+        ),
     ]
 
 
