@@ -16,7 +16,7 @@
 #include "threads/uart_link.h"
 #include "version.h"
 
-LOG_MODULE_REGISTER(main);
+LOG_MODULE_REGISTER(pharos);
 
 struct thread_row {
 	const char *name;
@@ -51,20 +51,16 @@ THREAD(uart_link3, CONFIG_PHAROS_LINK_STACK_SIZE);
 THREAD(storage, CONFIG_PHAROS_STORAGE_STACK_SIZE);
 
 static const struct thread_row threads[] = {
-	ROW(supervisor, 0, supervisor_run, NULL),
-	ROW(thermal, 1, thermal_thread_run, NULL),
-	ROW(command, 3, command_run, NULL),
-	ROW(uart_link0, 4, uart_link_run, (void *)0),
-	ROW(uart_link1, 4, uart_link_run, (void *)1),
-	ROW(uart_link2, 4, uart_link_run, (void *)2),
-	ROW(uart_link3, 4, uart_link_run, (void *)3),
-	ROW(storage, 10, storage_run, NULL),
+	ROW(supervisor, 0, supervisor_run, NULL),     ROW(thermal, 1, thermal_thread_run, NULL),
+	ROW(command, 3, command_run, NULL),           ROW(uart_link0, 4, uart_link_run, (void *)0),
+	ROW(uart_link1, 4, uart_link_run, (void *)1), ROW(uart_link2, 4, uart_link_run, (void *)2),
+	ROW(uart_link3, 4, uart_link_run, (void *)3), ROW(storage, 10, storage_run, NULL),
 };
 
 static void start(const struct thread_row *row)
 {
 	k_thread_create(row->thread, row->stack, row->stack_size, row->run, row->argument, NULL,
-			NULL, row->priority, 0, K_FOREVER);
+	                NULL, row->priority, 0, K_FOREVER);
 	k_thread_name_set(row->thread, row->name);
 	k_thread_start(row->thread);
 }
@@ -79,6 +75,7 @@ int main(void)
 	if (devices_check() != 0) {
 		return 0; /* dark and silent: a lamp without its sensor or watchdog never lights */
 	}
+	uart_links_init();
 	command_init();
 
 	const int error = supervisor_init();

@@ -68,7 +68,7 @@ static bool values_valid(const struct illuminator_config *config,
                          const struct illuminator_configure *values)
 {
 	const bool mode = values->mode == ILLUMINATOR_MODE_INTERNAL ||
-	                  values->mode == ILLUMINATOR_MODE_EXTERNAL_SYNC;
+	                  values->mode == ILLUMINATOR_MODE_SYNC;
 	const bool period = values->strobe_period_us == 0 ||
 	                    (values->strobe_period_us >= config->min_period_us &&
 	                     values->strobe_period_us <= config->max_period_us);
@@ -190,7 +190,7 @@ static struct light_plan plan_of(const struct illuminator_settings *settings,
 	if (!settings->enable) {
 		return plan;
 	}
-	plan.external_sync = settings->mode == ILLUMINATOR_MODE_EXTERNAL_SYNC;
+	plan.external_sync = settings->mode == ILLUMINATOR_MODE_SYNC;
 	plan.level_ppm = illuminator_curve_ppm(curve, settings->brightness_ppm);
 	const uint32_t on_us = illuminator_on_us(settings->strobe_period_us, settings->duty_ppm);
 

@@ -21,7 +21,7 @@
 /* Wire values of MAVLink ILLUMINATOR_MODE. */
 enum illuminator_mode {
 	ILLUMINATOR_MODE_INTERNAL = 1,
-	ILLUMINATOR_MODE_EXTERNAL_SYNC = 2,
+	ILLUMINATOR_MODE_SYNC = 2,
 };
 #define ILLUMINATOR_MODES_SUPPORTED 3u /* bit per mode: 1 << (mode - 1) */
 

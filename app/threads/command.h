@@ -14,6 +14,7 @@
 #include "core/illuminator.h"
 #include "core/params.h"
 #include "proto/mavlink/endpoint.h"
+#include "proto/mavlink/illuminator_service.h"
 #include "threads/link.h"
 
 /* What the command thread owns. Only a function given to command_call() may touch it. */
@@ -54,15 +55,15 @@ int command_call(int (*function)(struct command *command, void *argument), void 
  * the arbiter; when it grants, applies the event, sets *result, and performs what follows.
  */
 enum arbiter_verdict command_apply(struct command *command, enum arbiter_source source,
-				   const struct illuminator_event *event,
-				   enum illuminator_result *result);
+                                   const struct illuminator_event *event,
+                                   enum illuminator_result *result);
 
 /*
- * From functions that run in the command thread: change a parameter, tell those concerned, store it.
- * name: length bytes, need not be terminated. Results as params_set.
+ * From functions that run in the command thread: change a parameter, tell those concerned, store
+ * it. name: length bytes, need not be terminated. Results as params_set.
  */
 enum params_result command_set_param(struct command *command, const char *name, size_t length,
-				     int32_t value);
+                                     int32_t value);
 void command_reset_params(struct command *command);
 
 /* Counters; any thread. */

@@ -10,7 +10,7 @@
 
 #define FIXED_DECIMALS_MAX 9
 /* A sign, 19 digits, a point, a terminator. */
-#define FIXED_TEXT_MAX 24
+#define FIXED_TEXT_MAX     24
 
 /*
  * "12", "-0.5", "12.3400" as value * 10^decimals; digits beyond the decimals must be 0, decimals

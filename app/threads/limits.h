@@ -17,10 +17,11 @@
 #define UART_TX_RING_SIZE 2048
 
 /* Frames between the link threads and the command thread; a full pool makes a link thread wait. */
-#define LINK_FRAMES_MAX 8
+#define LINK_FRAMES_MAX   8
 /* Requests to the command thread: every frame, and a few reports and calls besides. */
 #define COMMAND_QUEUE_MAX 16
 
+_Static_assert(LINKS_MAX <= MAVLINK_LINKS_MAX, "the endpoint knows every link");
 _Static_assert(COMMAND_QUEUE_MAX > LINK_FRAMES_MAX, "frames leave room for reports and calls");
 _Static_assert(UART_TX_RING_SIZE >= 4 * (MAVLINK_FRAME_MAX + 2), "an answer and its streams fit");
 

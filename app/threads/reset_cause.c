@@ -22,9 +22,9 @@ static const struct {
 	uint32_t flag;
 	const char *name;
 } names[] = {
-	{RESET_WATCHDOG, "watchdog"},     {RESET_CPU_LOCKUP, "fatal error"},
-	{RESET_BROWNOUT, "brown-out"},    {RESET_POR, "power-on"},
-	{RESET_SOFTWARE, "software"},     {RESET_PIN, "reset pin"},
+	{RESET_WATCHDOG, "watchdog"},  {RESET_CPU_LOCKUP, "fatal error"},
+	{RESET_BROWNOUT, "brown-out"}, {RESET_POR, "power-on"},
+	{RESET_SOFTWARE, "software"},  {RESET_PIN, "reset pin"},
 	{RESET_DEBUG, "debugger"},
 };
 

@@ -112,14 +112,14 @@ static struct illuminator_event configure_as_is(void)
 }
 
 /* One number of `light set`: argv[1] into *value, scaled by 10^decimals. */
-static int parse_value(const struct shell *sh, char **argv, unsigned int decimals,
-		       const char *unit, uint32_t *value)
+static int parse_value(const struct shell *sh, char **argv, unsigned int decimals, const char *unit,
+                       uint32_t *value)
 {
 	int64_t parsed;
 
 	if (!fixed_parse(argv[1], decimals, &parsed) || parsed < 0 || parsed > UINT32_MAX) {
 		shell_error(sh, "%s: '%s' is not a number of %s, such as 40 or 0.5", argv[0],
-			    argv[1], unit);
+		            argv[1], unit);
 		return -EINVAL;
 	}
 	*value = (uint32_t)parsed;
@@ -130,7 +130,7 @@ static int cmd_light_brightness(const struct shell *sh, size_t argc, char **argv
 {
 	struct illuminator_event event = configure_as_is();
 	const int error = parse_value(sh, argv, PPM_PER_PERCENT_DECIMALS, "percent",
-				      &event.configure.brightness_ppm);
+	                              &event.configure.brightness_ppm);
 
 	return error != 0 ? error : light_command(sh, &event);
 }
@@ -139,7 +139,7 @@ static int cmd_light_period(const struct shell *sh, size_t argc, char **argv)
 {
 	struct illuminator_event event = configure_as_is();
 	const int error = parse_value(sh, argv, US_PER_S_DECIMALS, "seconds",
-				      &event.configure.strobe_period_us);
+	                              &event.configure.strobe_period_us);
 
 	return error != 0 ? error : light_command(sh, &event);
 }
@@ -148,7 +148,7 @@ static int cmd_light_duty(const struct shell *sh, size_t argc, char **argv)
 {
 	struct illuminator_event event = configure_as_is();
 	const int error = parse_value(sh, argv, PPM_PER_PERCENT_DECIMALS, "percent",
-				      &event.configure.duty_ppm);
+	                              &event.configure.duty_ppm);
 
 	return error != 0 ? error : light_command(sh, &event);
 }
@@ -160,7 +160,7 @@ static int cmd_light_mode(const struct shell *sh, size_t argc, char **argv)
 	if (strcmp(argv[1], "internal") == 0) {
 		event.configure.mode = ILLUMINATOR_MODE_INTERNAL;
 	} else if (strcmp(argv[1], "sync") == 0) {
-		event.configure.mode = ILLUMINATOR_MODE_EXTERNAL_SYNC;
+		event.configure.mode = ILLUMINATOR_MODE_SYNC;
 	} else {
 		shell_error(sh, "mode: '%s' is neither internal nor sync", argv[1]);
 		return -EINVAL;
@@ -170,7 +170,7 @@ static int cmd_light_mode(const struct shell *sh, size_t argc, char **argv)
 
 /* "label  12.5 unit", without trailing zeros. */
 static void print_fixed(const struct shell *sh, const char *label, int64_t value,
-			unsigned int decimals, const char *unit)
+                        unsigned int decimals, const char *unit)
 {
 	char text[FIXED_TEXT_MAX];
 
@@ -187,19 +187,19 @@ static int cmd_light_status(const struct shell *sh, size_t argc, char **argv)
 	light_get(devices.light, &light);
 	shell_print(sh, "%-14s%s", "enable", now.settings.enable ? "on" : "off");
 	shell_print(sh, "%-14s%s", "mode",
-		    now.settings.mode == ILLUMINATOR_MODE_INTERNAL ? "internal" : "external sync");
+	            now.settings.mode == ILLUMINATOR_MODE_INTERNAL ? "internal" : "external sync");
 	print_fixed(sh, "brightness", now.settings.brightness_ppm, PPM_PER_PERCENT_DECIMALS, "%");
 	if (now.settings.strobe_period_us == 0) {
 		shell_print(sh, "%-14snone", "strobe");
 	} else {
 		print_fixed(sh, "strobe period", now.settings.strobe_period_us, US_PER_S_DECIMALS,
-			    "s");
+		            "s");
 		print_fixed(sh, "strobe duty", now.settings.duty_ppm, PPM_PER_PERCENT_DECIMALS,
-			    "%");
+		            "%");
 	}
 	print_fixed(sh, "limit", light.limit_ppm, PPM_PER_PERCENT_DECIMALS, "% of full power");
 	print_fixed(sh, "output now", light.output_ppm, PPM_PER_PERCENT_DECIMALS,
-		    "% of full power");
+	            "% of full power");
 	return 0;
 }
 
@@ -237,17 +237,17 @@ static int cmd_thermal(const struct shell *sh, size_t argc, char **argv)
 		shell_print(sh, "%-14sok", "sensor");
 	} else {
 		shell_print(sh, "%-14s%s", "sensor",
-			    report->sensor == THERMAL_SENSOR_WAITING
-				    ? "waiting"
-				    : thermal_fault_name(report->fault));
+		            report->sensor == THERMAL_SENSOR_WAITING
+		                    ? "waiting"
+		                    : thermal_fault_name(report->fault));
 	}
 	print_fixed(sh, "limit", report->limit_ppm, PPM_PER_PERCENT_DECIMALS, "% of full power");
 	print_fixed(sh, "throttle at", thermal.config.throttle_mdegc, 3, "degC");
 	print_fixed(sh, "shutdown at", thermal.config.shutdown_mdegc, 3, "degC");
 	print_fixed(sh, "recover below", thermal.config.recover_mdegc, 3, "degC");
 	shell_print(sh, "%-14s%u (%u bad), %u sensor failures, %u shutdowns", "samples",
-		    thermal.stats.samples, thermal.stats.bad_samples,
-		    thermal.stats.sensor_failures, thermal.stats.shutdowns);
+	            thermal.stats.samples, thermal.stats.bad_samples, thermal.stats.sensor_failures,
+	            thermal.stats.shutdowns);
 	return 0;
 }
 
@@ -262,12 +262,13 @@ static void print_link(const struct shell *sh, uint8_t link)
 	if (link_stats_get(link, &stats) != 0) {
 		return;
 	}
-	shell_print(sh, "%-7s rx %u frames, %u bytes; overruns %u, line errors %u, bad frames %u, "
-			"skipped bytes %u",
-		    link_name(link), stats.rx_frames, stats.rx_bytes, stats.rx_overruns,
-		    stats.rx_errors, stats.framer.crc_errors, stats.framer.skipped_bytes);
+	shell_print(sh,
+	            "%-7s rx %u frames, %u bytes; overruns %u, line errors %u, bad frames %u, "
+	            "skipped bytes %u",
+	            link_name(link), stats.rx_frames, stats.rx_bytes, stats.rx_overruns,
+	            stats.rx_errors, stats.framer.crc_errors, stats.framer.skipped_bytes);
 	shell_print(sh, "%-7s tx %u frames, %u bytes; dropped %u", "", stats.tx_frames,
-		    stats.tx_bytes, stats.tx_dropped);
+	            stats.tx_bytes, stats.tx_dropped);
 }
 
 static int cmd_link_stats(const struct shell *sh, size_t argc, char **argv)
@@ -278,7 +279,7 @@ static int cmd_link_stats(const struct shell *sh, size_t argc, char **argv)
 	const struct command_stats stats = command_stats_get();
 
 	shell_print(sh, "command frames %u, thermal reports %u (%u dropped), calls %u",
-		    stats.frames, stats.thermal_reports, stats.reports_dropped, stats.calls);
+	            stats.frames, stats.thermal_reports, stats.reports_dropped, stats.calls);
 	return 0;
 }
 

@@ -15,9 +15,9 @@ static void print_param(const struct shell *sh, const struct params *params, uin
 	const struct param_info *const info = params_info(index);
 
 	shell_print(sh, "%-16s %10d %-8s %d to %d, default %d%s%s  %s", info->name,
-		    params->values[index], info->unit, info->min, info->max, info->fallback,
-		    (info->flags & PARAM_FLAG_REBOOT) != 0 ? ", after reset" : "",
-		    (info->flags & PARAM_FLAG_READ_ONLY) != 0 ? ", read-only" : "", info->meaning);
+	            params->values[index], info->unit, info->min, info->max, info->fallback,
+	            (info->flags & PARAM_FLAG_REBOOT) != 0 ? ", after reset" : "",
+	            (info->flags & PARAM_FLAG_READ_ONLY) != 0 ? ", read-only" : "", info->meaning);
 }
 
 static int copy_params(struct command *command, void *argument)
@@ -67,8 +67,8 @@ static int set_param(struct command *command, void *argument)
 {
 	struct param_request *const request = argument;
 
-	request->result = command_set_param(command, request->name, strlen(request->name),
-					    request->value);
+	request->result =
+		command_set_param(command, request->name, strlen(request->name), request->value);
 	return 0;
 }
 
@@ -98,7 +98,7 @@ static int cmd_param_set(const struct shell *sh, size_t argc, char **argv)
 		return -ERANGE;
 	case PARAMS_CONFLICT:
 		shell_error(sh, "%s does not go with a related parameter (see: param get %.4s)",
-			    argv[2], argv[1]);
+		            argv[2], argv[1]);
 		return -ERANGE;
 	}
 	return -EINVAL;

@@ -11,10 +11,10 @@
 
 LOG_MODULE_REGISTER(storage);
 
-#define SUBTREE      "pharos"
-#define LIGHT_NAME   SUBTREE "/light"
-#define PARAM_PREFIX SUBTREE "/param/"
-#define NAME_MAX     (sizeof(PARAM_PREFIX) + PARAMS_NAME_MAX)
+#define SUBTREE         "pharos"
+#define LIGHT_NAME      SUBTREE "/light"
+#define PARAM_PREFIX    SUBTREE "/param/"
+#define STORED_NAME_MAX (sizeof(PARAM_PREFIX) + PARAMS_NAME_MAX)
 
 #define LIGHT_SETTLE_MS 1000
 
@@ -47,7 +47,7 @@ struct loading {
 };
 
 static int load_param(struct loading *loading, const char *name, size_t length,
-		      settings_read_cb read, void *arg)
+                      settings_read_cb read, void *arg)
 {
 	const uint32_t index = params_find(name, strlen(name));
 	int32_t value;
@@ -97,7 +97,7 @@ int storage_load(struct params *params, struct illuminator_settings *light, bool
 	for (uint32_t index = 0; index < PARAM_COUNT; index++) {
 		if ((refused & PARAM_MASK(index)) != 0) {
 			LOG_WRN("stored %s does not fit; default applies",
-				params_info(index)->name);
+			        params_info(index)->name);
 			stats.refused++;
 		}
 	}
@@ -174,7 +174,7 @@ static bool write_param(void)
 	if (mask == 0) {
 		return false;
 	}
-	char name[NAME_MAX];
+	char name[STORED_NAME_MAX];
 
 	snprintk(name, sizeof(name), PARAM_PREFIX "%s", params_info(index)->name);
 	write_value(name, &value, sizeof(value));

@@ -41,7 +41,7 @@ static void edge_due(struct k_timer *timer)
 }
 
 static void sync_changed(const struct device *port, struct gpio_callback *callback,
-			 gpio_port_pins_t pins)
+                         gpio_port_pins_t pins)
 {
 	const unsigned int key = irq_lock();
 	const bool level = gpio_pin_get_dt(&devices.sync_input) > 0;
@@ -72,7 +72,7 @@ int strobe_timer_init(const struct sync_config *sync)
 	const unsigned int key = irq_lock();
 
 	gate_init(&gate, clock_now_us(), sync,
-		  wired && error == 0 && gpio_pin_get_dt(&devices.sync_input) > 0);
+	          wired && error == 0 && gpio_pin_get_dt(&devices.sync_input) > 0);
 	carry_out(false);
 	irq_unlock(key);
 	return error;

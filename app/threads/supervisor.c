@@ -16,7 +16,7 @@ static atomic_t reported_ms[SUPERVISOR_WATCHES];
 static int watchdog_channel;
 
 static const char *const names[SUPERVISOR_WATCHES] = {
-	[SUPERVISOR_THERMAL] = "thermal",        [SUPERVISOR_COMMAND] = "command",
+	[SUPERVISOR_THERMAL] = "thermal",       [SUPERVISOR_COMMAND] = "command",
 	[SUPERVISOR_UART_LINK0] = "uart_link0", [SUPERVISOR_UART_LINK1] = "uart_link1",
 	[SUPERVISOR_UART_LINK2] = "uart_link2", [SUPERVISOR_UART_LINK3] = "uart_link3",
 };

@@ -20,8 +20,8 @@ enum supervisor_watch {
 };
 
 /* How long a watched thread may wait without reporting in, and how long it may be silent. */
-#define SUPERVISOR_REPORT_MS 400
-#define SUPERVISOR_LIMIT_MS  1000
+#define SUPERVISOR_REPORT_MS   400
+#define SUPERVISOR_LIMIT_MS    1000
 /* The watchdog's own period, in which the supervisor must have fed it. */
 #define SUPERVISOR_WATCHDOG_MS 1000
 #define SUPERVISOR_PERIOD_MS   250

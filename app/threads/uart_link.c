@@ -2,6 +2,7 @@
 #include "threads/uart_link.h"
 
 #include <errno.h>
+#include <string.h>
 
 #include <zephyr/drivers/uart.h>
 #include <zephyr/kernel.h>
@@ -14,8 +15,10 @@
 
 struct uart_link {
 	struct ring_buf rx; /* the interrupt puts, the thread takes */
-	struct ring_buf tx; /* the command thread puts frames with their length, the interrupt takes */
+	struct ring_buf
+		tx; /* the command thread puts frames with their length, the interrupt takes */
 	struct k_sem rx_ready;
+	bool rx_stopped;
 	struct mavlink_framer framer;
 	struct link_stats stats;
 	uint16_t sending_length; /* the frame that the interrupt is sending; 0: none */
@@ -39,6 +42,7 @@ static void receive(const struct device *uart, struct uart_link *link)
 
 	if (room == 0) {
 		link->stats.rx_overruns++;
+		link->rx_stopped = true;
 		uart_irq_rx_disable(uart);
 	} else {
 		const int got = uart_fifo_read(uart, into, (int)room);
@@ -66,7 +70,8 @@ static bool take_frame(struct uart_link *link)
 	return true;
 }
 
-/* A frame goes to the driver in one piece where the hardware takes it, so one frame is one write. */
+/* A frame goes to the driver in one piece where the hardware takes it, so one frame is one write.
+ */
 static void transmit(const struct device *uart, struct uart_link *link)
 {
 	if (!take_frame(link)) {
@@ -74,7 +79,7 @@ static void transmit(const struct device *uart, struct uart_link *link)
 		return;
 	}
 	const int sent = uart_fifo_fill(uart, &link->sending[link->sending_at],
-					link->sending_length - link->sending_at);
+	                                link->sending_length - link->sending_at);
 
 	link->sending_at += sent > 0 ? (uint16_t)sent : 0;
 	link->stats.tx_bytes += sent > 0 ? (uint32_t)sent : 0;
@@ -176,7 +181,7 @@ void link_frame_free(struct link_frame *frame)
 /* --- thread ----------------------------------------------------------------------------------- */
 
 /* To the command thread, which takes it before this one goes on; waits while it is behind. */
-static void post(uint8_t number, struct uart_link *link, const uint8_t *bytes, size_t length)
+static void post(uint8_t number, struct uart_link *link, const struct mavlink_frame *received)
 {
 	void *block;
 
@@ -186,56 +191,90 @@ static void post(uint8_t number, struct uart_link *link, const uint8_t *bytes, s
 	struct link_frame *const frame = block;
 
 	frame->link = number;
-	frame->length = (uint16_t)length;
-	memcpy(frame->bytes, bytes, length);
+	frame->length = received->length;
+	memcpy(frame->bytes, received->bytes, received->length);
 	while (command_post_frame(frame) != 0) {
 		supervisor_report(SUPERVISOR_UART_LINK0 + number);
 	}
 	link->stats.rx_frames++;
 }
 
-/* All bytes of the ring through the framer. */
+static void post_all(uint8_t number, struct uart_link *link)
+{
+	struct mavlink_frame frame;
+
+	while (mavlink_framer_next(&link->framer, &frame)) {
+		post(number, link, &frame);
+	}
+}
+
+/* All bytes of the ring through the framer; room in the ring resumes reception. */
 static void drain(uint8_t number, struct uart_link *link)
 {
 	uint8_t *from;
 	uint32_t count;
 
 	while ((count = ring_buf_get_claim(&link->rx, &from, UART_RX_RING_SIZE)) > 0) {
-		uint32_t used = 0;
-
-		while (used < count) {
-			struct mavlink_frame frame;
-
-			used += (uint32_t)mavlink_framer_push(&link->framer, from + used,
-							      count - used);
-			while (mavlink_framer_next(&link->framer, &frame)) {
-				post(number, link, frame.bytes, frame.length);
-			}
+		for (uint32_t used = 0; used < count;) {
+			used += (uint32_t)mavlink_framer_write(&link->framer, from + used,
+			                                       count - used);
+			post_all(number, link);
 		}
 		ring_buf_get_finish(&link->rx, count);
-		uart_irq_rx_enable(devices.uart_links[number]);
+		if (link->rx_stopped) {
+			link->rx_stopped = false;
+			uart_irq_rx_enable(devices.uart_links[number]);
+		}
+	}
+}
+
+/* The line is silent: an unfinished frame was perhaps none, and hides good ones. */
+static void idle(uint8_t number, struct uart_link *link)
+{
+	struct mavlink_frame frame;
+
+	while (mavlink_framer_idle(&link->framer, &frame)) {
+		post(number, link, &frame);
+		post_all(number, link);
+	}
+}
+
+void uart_links_init(void)
+{
+	for (uint8_t number = 0; number < UART_LINKS_MAX; number++) {
+		struct uart_link *const link = &links[number];
+		const struct device *const uart = devices.uart_links[number];
+
+		if (uart == NULL) {
+			continue;
+		}
+		ring_buf_init(&link->rx, sizeof(link->rx_bytes), link->rx_bytes);
+		ring_buf_init(&link->tx, sizeof(link->tx_bytes), link->tx_bytes);
+		k_sem_init(&link->rx_ready, 0, 1);
+		mavlink_framer_init(&link->framer);
+		uart_irq_callback_user_data_set(uart, uart_interrupt, link);
+		uart_irq_rx_enable(uart);
 	}
 }
 
 void uart_link_run(void *argument, void *p2, void *p3)
 {
 	const uint8_t number = (uint8_t)(uintptr_t)argument;
-	const struct device *const uart = devices.uart_links[number];
 	struct uart_link *const link = &links[number];
 
-	if (uart == NULL) {
+	if (devices.uart_links[number] == NULL) {
 		return;
 	}
-	ring_buf_init(&link->rx, sizeof(link->rx_bytes), link->rx_bytes);
-	ring_buf_init(&link->tx, sizeof(link->tx_bytes), link->tx_bytes);
-	k_sem_init(&link->rx_ready, 0, 1);
-	mavlink_framer_init(&link->framer);
-	uart_irq_callback_user_data_set(uart, uart_interrupt, link);
-	uart_irq_rx_enable(uart);
-
 	for (;;) {
+		const bool pending = mavlink_framer_pending(&link->framer);
+		const k_timeout_t wait =
+			pending ? K_USEC(MAVLINK_FRAMER_IDLE_US) : K_MSEC(SUPERVISOR_REPORT_MS);
+
 		supervisor_report(SUPERVISOR_UART_LINK0 + number);
-		k_sem_take(&link->rx_ready, K_MSEC(SUPERVISOR_REPORT_MS));
-		drain(number, link);
+		if (k_sem_take(&link->rx_ready, wait) == 0) {
+			drain(number, link);
+		} else if (pending) {
+			idle(number, link);
+		}
 	}
 }

@@ -1,0 +1,383 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "threads/command.h"
+
+#include <errno.h>
+#include <string.h>
+
+#include <zephyr/kernel.h>
+#include <zephyr/logging/log.h>
+
+#include <pharos/drivers/light.h>
+#include <pharos/drivers/probe.h>
+
+#include "threads/clock.h"
+#include "threads/devices.h"
+#include "threads/identity.h"
+#include "threads/reset_cause.h"
+#include "threads/storage.h"
+#include "threads/strobe.h"
+#include "threads/supervisor.h"
+#include "threads/thermal.h"
+#include "version.h"
+
+LOG_MODULE_REGISTER(command);
+
+enum item_kind {
+	ITEM_FRAME,
+	ITEM_THERMAL,
+	ITEM_CALL,
+};
+
+/* A function to run in the command thread, on its caller's stack. */
+struct call {
+	int (*function)(struct command *command, void *argument);
+	void *argument;
+	int result;
+	struct k_sem done;
+};
+
+struct item {
+	enum item_kind kind;
+	union {
+		struct link_frame *frame;
+		struct thermal_report thermal;
+		struct call *call;
+	};
+};
+
+K_MSGQ_DEFINE(queue, sizeof(struct item), COMMAND_QUEUE_MAX, 8);
+
+static struct command command;
+static struct mavlink_illuminator service;
+static struct mavlink_outbox out;
+static struct command_stats stats;
+static uint32_t shown_revision;
+
+/* MAV_SYSID 0 leaves the choice to the vehicle; until one is heard, this. */
+#define SYSTEM_ID_FALLBACK 1
+
+/* --- performing what the core and the protocols returned -------------------------------------- */
+
+static void show_settings(void)
+{
+	const struct illuminator_settings *const now = &command.illuminator.settings;
+
+	probe_set(devices.probe, PROBE_ENABLE, now->enable);
+	probe_set(devices.probe, PROBE_MODE, now->mode);
+	probe_set(devices.probe, PROBE_BRIGHTNESS_PPM, now->brightness_ppm);
+	probe_set(devices.probe, PROBE_STROBE_PERIOD_US, now->strobe_period_us);
+	probe_set(devices.probe, PROBE_STROBE_DUTY_PPM, now->duty_ppm);
+}
+
+static void notice(const struct illuminator_notice *notice)
+{
+	if (notice->kind == ILLUMINATOR_NOTICE_SENSOR_FAILED) {
+		LOG_WRN("%s: %s", illuminator_notice_text(notice->kind),
+		        thermal_fault_name(notice->fault));
+	} else {
+		LOG_WRN("%s", illuminator_notice_text(notice->kind));
+	}
+}
+
+static void perform_core(const struct illuminator_outbox *actions)
+{
+	for (uint32_t i = 0; i < actions->count; i++) {
+		const struct illuminator_action *const action = &actions->actions[i];
+
+		switch (action->kind) {
+		case ILLUMINATOR_ACTION_LIGHT:
+			strobe_timer_set(&action->light);
+			break;
+		case ILLUMINATOR_ACTION_NOTICE:
+			notice(&action->notice);
+			break;
+		case ILLUMINATOR_ACTION_STATUS:
+			break; /* protocols observe it */
+		}
+	}
+	if (shown_revision != command.illuminator.revision) {
+		shown_revision = command.illuminator.revision;
+		show_settings();
+		if (command.params.values[PARAM_LGT_RESTORE] != 0) {
+			storage_save_light(&command.illuminator.settings);
+		}
+	}
+}
+
+/* State first, then its acknowledgement. */
+static void perform(void)
+{
+	perform_core(&out.core);
+	for (uint16_t i = 0; i < out.count; i++) {
+		const struct mavlink_outbox_frame *const frame = &out.frames[i];
+
+		link_send(frame->link, &out.bytes[frame->offset], frame->length);
+	}
+}
+
+/* A step of the core on behalf of anyone but MAVLink. */
+static enum illuminator_result step_core(const struct illuminator_event *event)
+{
+	const int64_t now_us = clock_now_us();
+	struct illuminator_outbox actions;
+	const enum illuminator_result result =
+		illuminator_step(&command.illuminator, now_us, event, &actions);
+
+	perform_core(&actions);
+	mavlink_endpoint_observe(&command.mavlink, now_us, &actions);
+	return result;
+}
+
+enum arbiter_verdict command_apply(struct command *self, enum arbiter_source source,
+                                   const struct illuminator_event *event,
+                                   enum illuminator_result *result)
+{
+	const int64_t now_us = clock_now_us();
+	const enum arbiter_verdict verdict = arbiter_check(&self->arbiter, now_us, source);
+
+	if (verdict == ARBITER_GRANTED) {
+		*result = step_core(event);
+		if (*result == ILLUMINATOR_ACCEPTED) {
+			arbiter_commit(&self->arbiter, now_us, source);
+		}
+	}
+	return verdict;
+}
+
+/* --- parameters ------------------------------------------------------------------------------- */
+
+static void configure_illuminator(void)
+{
+	struct illuminator_event event = {.kind = ILLUMINATOR_EVENT_CONFIG};
+
+	params_illuminator(&command.params, &event.config);
+	step_core(&event);
+}
+
+static void configure_thermal(void)
+{
+	struct thermal_config config;
+
+	params_thermal(&command.params, &config);
+	thermal_thread_configure(&config);
+}
+
+static void configure_sync(void)
+{
+	struct sync_config config;
+
+	params_sync(&command.params, &config);
+	strobe_timer_configure(&config);
+}
+
+static void configure_arbiter(void)
+{
+	struct arbiter_config config;
+
+	params_arbiter(&command.params, &config);
+	arbiter_configure(&command.arbiter, &config);
+}
+
+/* Tells those concerned, and stores. MAVLink's own parameters are in force after a reset. */
+static void params_changed(uint64_t changed)
+{
+	if ((changed & params_group_mask(PARAM_GROUP_LIGHT)) != 0) {
+		configure_illuminator();
+	}
+	if ((changed & params_group_mask(PARAM_GROUP_THERMAL)) != 0) {
+		configure_thermal();
+	}
+	if ((changed & params_group_mask(PARAM_GROUP_SYNC)) != 0) {
+		configure_sync();
+	}
+	if ((changed & params_group_mask(PARAM_GROUP_ARBITER)) != 0) {
+		configure_arbiter();
+	}
+	if (changed != 0) {
+		storage_save_params(&command.params, changed);
+	}
+}
+
+enum params_result command_set_param(struct command *self, const char *name, size_t length,
+                                     int32_t value)
+{
+	uint64_t changed = 0;
+	const enum params_result result =
+		params_set_by_name(&self->params, name, length, value, &changed);
+
+	params_changed(changed);
+	return result;
+}
+
+void command_reset_params(struct command *self)
+{
+	params_changed(params_reset(&self->params));
+}
+
+/* --- start ------------------------------------------------------------------------------------ */
+
+static void init_mavlink(int64_t now_us)
+{
+	const int32_t system_id = command.params.values[PARAM_MAV_SYSID];
+	const struct mavlink_endpoint_config config = {
+		.system_id = (uint8_t)(system_id != 0 ? system_id : SYSTEM_ID_FALLBACK),
+		.links = (uint8_t)link_mask(),
+	};
+	char text[sizeof("Pharos : " PHAROS_VERSION) + RESET_CAUSE_TEXT_MAX];
+	char cause[RESET_CAUSE_TEXT_MAX];
+
+	mavlink_illuminator_init(&service, &command.illuminator, &command.arbiter, identity_get());
+	mavlink_endpoint_init(&command.mavlink, &config);
+	mavlink_endpoint_add(&command.mavlink, now_us,
+	                     (uint8_t)command.params.values[PARAM_MAV_COMPID],
+	                     &mavlink_illuminator_profile, &service);
+	reset_cause_text(cause);
+	snprintk(text, sizeof(text), "Pharos %s: %s", PHAROS_VERSION, cause);
+	mavlink_endpoint_text(&command.mavlink, now_us, 6 /* MAV_SEVERITY_INFO */, text);
+}
+
+static void restore(const struct illuminator_settings *light)
+{
+	const struct illuminator_event event = {.kind = ILLUMINATOR_EVENT_RESTORE,
+	                                        .restore = *light};
+
+	if (step_core(&event) != ILLUMINATOR_ACCEPTED) {
+		LOG_WRN("the last settings do not fit; the lamp stays off");
+	}
+}
+
+void command_init(void)
+{
+	const int64_t now_us = clock_now_us();
+	struct illuminator_settings light;
+	struct illuminator_config illuminator;
+	struct thermal_config thermal;
+	struct arbiter_config arbiter;
+	struct sync_config sync;
+	bool has_light;
+
+	params_init(&command.params);
+	storage_load(&command.params, &light, &has_light);
+	params_illuminator(&command.params, &illuminator);
+	params_thermal(&command.params, &thermal);
+	params_arbiter(&command.params, &arbiter);
+	params_sync(&command.params, &sync);
+
+	illuminator_init(&command.illuminator, &illuminator);
+	arbiter_init(&command.arbiter, &arbiter);
+	thermal_thread_init(&thermal);
+	if (strobe_timer_init(&sync) != 0) {
+		LOG_ERR("the sync input does not work; external sync will time out");
+	}
+	init_mavlink(now_us);
+	show_settings();
+	if (has_light && command.params.values[PARAM_LGT_RESTORE] != 0) {
+		restore(&light);
+	}
+}
+
+/* --- the queue -------------------------------------------------------------------------------- */
+
+int command_post_frame(struct link_frame *frame)
+{
+	const struct item item = {.kind = ITEM_FRAME, .frame = frame};
+
+	return k_msgq_put(&queue, &item, K_MSEC(SUPERVISOR_REPORT_MS));
+}
+
+void command_post_thermal(const struct thermal_report *report)
+{
+	const struct item item = {.kind = ITEM_THERMAL, .thermal = *report};
+
+	if (k_msgq_put(&queue, &item, K_NO_WAIT) != 0) {
+		stats.reports_dropped++;
+	}
+}
+
+int command_call(int (*function)(struct command *, void *), void *argument)
+{
+	struct call call = {.function = function, .argument = argument};
+	const struct item item = {.kind = ITEM_CALL, .call = &call};
+
+	k_sem_init(&call.done, 0, 1);
+	k_msgq_put(&queue, &item, K_FOREVER);
+	k_sem_take(&call.done, K_FOREVER);
+	return call.result;
+}
+
+struct command_stats command_stats_get(void)
+{
+	const unsigned int key = irq_lock();
+	const struct command_stats copy = stats;
+
+	irq_unlock(key);
+	return copy;
+}
+
+static void take_thermal(const struct thermal_report *report)
+{
+	const struct illuminator_event event = {.kind = ILLUMINATOR_EVENT_THERMAL,
+	                                        .thermal = *report};
+
+	stats.thermal_reports++;
+	probe_set(devices.probe, PROBE_THERMAL_STATE, report->state);
+	probe_set(devices.probe, PROBE_TEMPERATURE_MDEGC, report->temp_mdegc);
+	step_core(&event);
+}
+
+static void take(const struct item *item)
+{
+	switch (item->kind) {
+	case ITEM_FRAME:
+		stats.frames++;
+		mavlink_endpoint_receive(&command.mavlink, clock_now_us(), item->frame->link,
+		                         item->frame->bytes, item->frame->length, &out);
+		link_frame_free(item->frame);
+		perform();
+		break;
+	case ITEM_THERMAL:
+		take_thermal(&item->thermal);
+		break;
+	case ITEM_CALL:
+		stats.calls++;
+		item->call->result = item->call->function(&command, item->call->argument);
+		k_sem_give(&item->call->done);
+		break;
+	}
+}
+
+/* Everything that is due by itself: streams, and what happens when every commander is silent. */
+static void step_due(void)
+{
+	const int64_t now_us = clock_now_us();
+
+	if (arbiter_deadline_us(&command.arbiter) <= now_us &&
+	    arbiter_advance(&command.arbiter, now_us)) {
+		const struct illuminator_event event = {
+			.kind = ILLUMINATOR_EVENT_FALLBACK,
+			.fallback = command.arbiter.config.fallback,
+		};
+
+		step_core(&event);
+	}
+	while (mavlink_endpoint_deadline_us(&command.mavlink) <= now_us) {
+		mavlink_endpoint_step(&command.mavlink, now_us, &out);
+		perform();
+	}
+}
+
+void command_run(void *p1, void *p2, void *p3)
+{
+	for (;;) {
+		const int64_t deadline_us = MIN(arbiter_deadline_us(&command.arbiter),
+		                                mavlink_endpoint_deadline_us(&command.mavlink));
+		const int64_t report_us = clock_now_us() + SUPERVISOR_REPORT_MS * US_PER_MS;
+		struct item item;
+
+		if (k_msgq_get(&queue, &item, clock_timeout(MIN(deadline_us, report_us))) == 0) {
+			take(&item);
+		}
+		step_due();
+		supervisor_report(SUPERVISOR_COMMAND);
+	}
+}
