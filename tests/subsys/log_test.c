@@ -118,7 +118,7 @@ ZTEST(log, test_level_of_the_module)
 ZTEST(log, test_timestamp)
 {
 	const int64_t ms = k_uptime_get();
-	char expected[16];
+	char expected[64];
 
 	LOG_INF("now");
 	/* hours, minutes and seconds of the uptime; a test does not run for an hour of virtual time

@@ -3,12 +3,15 @@
 #include <errno.h>
 #include <string.h>
 
-#include <native/uart.h>
 #include <zephyr/device.h>
 #include <zephyr/drivers/uart.h>
 #include <zephyr/init.h>
 #include <zephyr/irq.h>
 #include <zephyr/shell/shell_uart.h>
+
+#include "shell_peer.h"
+
+#define SHELL_NODE DT_CHOSEN(zephyr_shell_uart)
 
 struct ring {
 	uint8_t *bytes;
@@ -203,9 +206,9 @@ const struct shell *shell_backend_uart_get_ptr(void)
 
 static int start(void)
 {
-	const struct device *dev = DEVICE_DT_GET(DT_CHOSEN(zephyr_shell_uart));
-	const enum native_uart_peer peer = native_uart_peer(dev);
-	const bool terminal = peer == NATIVE_UART_PEER_TERMINAL;
+	const struct device *dev = DEVICE_DT_GET(SHELL_NODE);
+	const enum shell_peer peer = shell_peer_of(DT_PROP(SHELL_NODE, wire));
+	const bool terminal = peer == SHELL_PEER_TERMINAL;
 	const struct shell_backend_config_flags flags = {
 		.echo = terminal,
 		.use_colors = terminal,
@@ -213,7 +216,7 @@ static int start(void)
 	};
 
 	/* Without a peer the log is not for this shell, and nobody types. */
-	if (!device_is_ready(dev) || peer == NATIVE_UART_PEER_NONE) {
+	if (!device_is_ready(dev) || peer == SHELL_PEER_NONE) {
 		return 0;
 	}
 	return shell_init(&shell_uart, dev, flags, true, 0);
