@@ -2,8 +2,9 @@
 /*
  * UART of the native board over a wire of the host (compatible "pharos,uart-host").
  *
- * Without ",paced" a wire is infinitely fast: what is written has left, what has come can be read. With it, one
- * write is held until its bits would have left, and bytes become readable one group after the other.
+ * Without ",paced" a wire is infinitely fast: what is written has left, what has come can be read.
+ * With it, one write is held until its bits would have left, and bytes become readable one group
+ * after the other.
  */
 #define DT_DRV_COMPAT pharos_uart_host
 
@@ -51,10 +52,12 @@ static size_t rx_count(const struct uart_host_data *data)
 
 static bool is_pending(const struct uart_host_data *data)
 {
-	return (data->rx_enabled && rx_count(data) > 0) || (data->tx_enabled && data->tx_length == 0);
+	return (data->rx_enabled && rx_count(data) > 0) ||
+	       (data->tx_enabled && data->tx_length == 0);
 }
 
-/* Level-triggered, as a real one: again until nothing is pending, or the callback leaves it at that. */
+/* Level-triggered, as a real one: again until nothing is pending, or the callback leaves it at
+ * that. */
 static void isr(void *arg)
 {
 	const struct device *dev = arg;
@@ -278,7 +281,7 @@ static int irq_update(const struct device *dev)
 }
 
 static void irq_callback_set(const struct device *dev, uart_irq_callback_user_data_t callback,
-			     void *user_data)
+                             void *user_data)
 {
 	struct uart_host_data *data = dev->data;
 
@@ -338,6 +341,6 @@ static int init(const struct device *dev)
 		.wire = DT_INST_PROP(inst, wire),                                                  \
 	};                                                                                         \
 	DEVICE_DT_INST_DEFINE(inst, init, NULL, &uart_host_data_##inst, &uart_host_config_##inst,  \
-			      PRE_KERNEL_1, CONFIG_KERNEL_INIT_PRIORITY_DEVICE, &api);
+	                      PRE_KERNEL_1, CONFIG_KERNEL_INIT_PRIORITY_DEVICE, &api);
 
 DT_INST_FOREACH_STATUS_OKAY(UART_HOST_DEFINE)

@@ -8,7 +8,9 @@
 #include "host/wire.h"
 #include "uart_host_wire.h"
 
-enum { BAUD_DEFAULT = 57600 };
+enum {
+	BAUD_DEFAULT = 57600
+};
 
 struct port {
 	struct wire wire;
@@ -25,7 +27,9 @@ static struct port ports[] = {
 	{.wire = {.name = "console"}, .fallback = "stdio"},
 };
 
-enum { PORTS = sizeof(ports) / sizeof(ports[0]) };
+enum {
+	PORTS = sizeof(ports) / sizeof(ports[0])
+};
 
 static struct port *port_of(const struct wire *wire)
 {
@@ -85,7 +89,8 @@ bool uart_host_wire_paced(const struct wire *wire)
 	return port_of(wire)->paced;
 }
 
-/* Takes ",paced" or ",baud=N" off the end of url. 1: took one; 0: there is none; -1 with a reason. */
+/* Takes ",paced" or ",baud=N" off the end of url. 1: took one; 0: there is none; -1 with a reason.
+ */
 static int parse_suffix(struct port *port, char *url, struct host_error *error)
 {
 	char *comma = strrchr(url, ',');
@@ -146,21 +151,22 @@ PARSE_PORT(3)
 PARSE_PORT(4)
 
 static const struct host_option options[] = {
-	{"uart0", "WIRE", "where the UART goes (none); WIRE is one of these:\n"
-			  "udpin:HOST:PORT      listen; answer every peer heard in the last\n"
-			  "                     60 s, at most 8\n"
-			  "udpout:HOST:PORT     send there, receive from there\n"
-			  "udppair:BIND_HOST:PORT,SEND_HOST:PORT\n"
-			  "                     receive on one, always send to the other\n"
-			  "tcp:HOST:PORT        connect, again and again if need be\n"
-			  "tcpin:HOST:PORT      listen; up to 8 clients share the wire\n"
-			  "pty:LINK             a new pseudo-terminal, with a link to it\n"
-			  "serial:DEV,BAUD      a serial port, 8N1; it may come and go\n"
-			  "stdio[:eof=exit]     standard input and output\n"
-			  "none                 not connected\n"
-			  "port 0: any free one, printed at start. After it: ,paced for bytes\n"
-			  "that take their time (in virtual time too), ,baud=N (57600)",
-	 parse_port_0},
+	{"uart0", "WIRE",
+         "where the UART goes (none); WIRE is one of these:\n"
+         "udpin:HOST:PORT      listen; answer every peer heard in the last\n"
+         "                     60 s, at most 8\n"
+         "udpout:HOST:PORT     send there, receive from there\n"
+         "udppair:BIND_HOST:PORT,SEND_HOST:PORT\n"
+         "                     receive on one, always send to the other\n"
+         "tcp:HOST:PORT        connect, again and again if need be\n"
+         "tcpin:HOST:PORT      listen; up to 8 clients share the wire\n"
+         "pty:LINK             a new pseudo-terminal, with a link to it\n"
+         "serial:DEV,BAUD      a serial port, 8N1; it may come and go\n"
+         "stdio[:eof=exit]     standard input and output\n"
+         "none                 not connected\n"
+         "port 0: any free one, printed at start. After it: ,paced for bytes\n"
+         "that take their time (in virtual time too), ,baud=N (57600)",
+         parse_port_0},
 	{"uart1", "WIRE", "the same for the second UART", parse_port_1},
 	{"uart2", "WIRE", "the third", parse_port_2},
 	{"uart3", "WIRE", "the fourth", parse_port_3},

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Between the Zephyr side of the native UART (uart_host.c) and the host's wires (uart_host_wire.c). No header of
- * either side is included here.
+ * Between the Zephyr side of the native UART (uart_host.c) and the host's wires (uart_host_wire.c).
+ * No header of either side is included here.
  */
 #ifndef UART_HOST_WIRE_H_
 #define UART_HOST_WIRE_H_
@@ -31,7 +31,8 @@ void uart_host_wire_put(struct wire *wire, uint8_t byte);
 /* Bits per second as the command line says. */
 uint32_t uart_host_wire_baud(const struct wire *wire);
 
-/* 0; -EINVAL: the serial port behind cannot; any other wire has no baud rate of its own and takes all. */
+/* 0; -EINVAL: the serial port behind cannot; any other wire has no baud rate of its own and takes
+ * all. */
 int uart_host_wire_set_baud(struct wire *wire, uint32_t baud);
 
 /* The option ",paced": bytes take the time that the baud rate gives them. */

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The fixture of the native host's tests: a device that sends back what uart0, uart1 and uart2 receive. uart3
- * says "boot FLAGS" (hwinfo's reset cause) at start and "tick N" each second, N from 1.
+ * The fixture of the native host's tests: a device that sends back what uart0, uart1 and uart2
+ * receive. uart3 says "boot FLAGS" (hwinfo's reset cause) at start and "tick N" each second, N
+ * from 1.
  */
 #include <stdio.h>
 #include <string.h>
@@ -33,7 +34,7 @@ static void on_uart(const struct device *dev, void *user_data)
 	while (uart_irq_update(dev) && uart_irq_is_pending(dev)) {
 		if (uart_irq_rx_ready(dev)) {
 			echo->length += uart_fifo_read(dev, echo->bytes + echo->length,
-						       ECHO_SIZE - echo->length);
+			                               ECHO_SIZE - echo->length);
 			if (echo->length == ECHO_SIZE) {
 				uart_irq_rx_disable(dev);
 			}

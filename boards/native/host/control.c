@@ -228,6 +228,10 @@ static void run(struct client *client, json_t *request)
 	result = op->run(&call);
 	if (result == CONTROL_LATER) {
 		json_decref(call.reply);
+		if (client->gone) {
+			state.pending_client = -1;
+			lockstep_cancel();
+		}
 		return;
 	}
 	state.pending = false;
@@ -261,12 +265,14 @@ static bool run_client(struct client *client)
 	const size_t length = buffer_length(&client->in);
 	const uint8_t *end = length > 0 ? memchr(buffer_bytes(&client->in), '\n', length) : NULL;
 	struct buffer line = {0};
+	struct host_error error;
 	size_t n;
 
 	if (end == NULL) {
 		if (length > CONTROL_LINE_MAX) {
 			if (!client->skipping) {
-				answer(client, NULL, NULL, "the line is too long; 64 KiB at most");
+				control_decode(NULL, length, &error);
+				answer(client, NULL, NULL, error.text);
 			}
 			client->skipping = true;
 			buffer_consume(&client->in, length);

@@ -80,7 +80,6 @@ static enum control_result run_wires(struct control_call *call)
 		control_put_integer(entry, "tx_bytes", (int64_t)counts->tx_bytes);
 		control_put_integer(entry, "rx_datagrams", (int64_t)counts->rx_datagrams);
 		control_put_integer(entry, "tx_datagrams", (int64_t)counts->tx_datagrams);
-		control_put_integer(entry, "rx_drops", (int64_t)counts->rx_drops);
 		control_put_integer(entry, "tx_drops", (int64_t)counts->tx_drops);
 		control_put_integer(entry, "errors", (int64_t)counts->errors);
 		control_put_integer(entry, "reconnects", (int64_t)counts->reconnects);

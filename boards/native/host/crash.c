@@ -30,16 +30,17 @@ void crash_restore(void)
 }
 
 /* Then whoever was there before (a sanitizer, the default) gets the same signal again. */
-static void on_fatal(int number)
+static void on_fatal(int number, siginfo_t *info, void *context)
 {
+	(void)context;
 	crash_restore();
 	for (size_t i = 0; i < sizeof(fatal) / sizeof(fatal[0]); i++) {
 		if (fatal[i] == number) {
 			sigaction(number, &before[i], NULL);
 		}
 	}
-	/* A fault repeats by itself on return; an abort or a kill has to be sent again. */
-	if (number == SIGABRT || number == SIGQUIT || number == SIGHUP) {
+	/* A fault repeats by itself on return; what somebody has sent has to be sent again. */
+	if (info->si_code <= 0) {
 		raise(number);
 	}
 }
@@ -47,7 +48,8 @@ static void on_fatal(int number)
 void crash_restore_terminal(int fd, const struct termios *settings)
 {
 	static bool installed;
-	const struct sigaction action = {.sa_handler = on_fatal, .sa_flags = SA_ONSTACK};
+	const struct sigaction action = {.sa_sigaction = on_fatal,
+	                                 .sa_flags = SA_ONSTACK | SA_SIGINFO};
 	const stack_t alternate = {.ss_sp = stack, .ss_size = sizeof(stack)};
 	stack_t current;
 

@@ -42,7 +42,6 @@ struct wire_counts {
 	uint64_t tx_bytes;     /* as given to the host, once however many peers there are */
 	uint64_t rx_datagrams; /* of a stream: reads */
 	uint64_t tx_datagrams; /* of a stream: writes of the device */
-	uint64_t rx_drops;     /* bytes cut off or not wanted */
 	uint64_t tx_drops;     /* bytes that nobody took: no peer, no room, send failed */
 	uint64_t errors;
 	uint64_t reconnects;
