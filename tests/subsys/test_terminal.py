@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import select
+import socket
 import subprocess
 import time
 import tty
@@ -124,13 +126,15 @@ class Terminal:
 class Session:
     """The app with its console on a pty, and a terminal at the other end."""
 
-    def __init__(self, folder: Path, columns: int = 80) -> None:
+    def __init__(self, folder: Path, columns: int = 80, *options: str) -> None:
         self.screen = Terminal(columns)
         self.raw = b""
         self.answered = 0
         link = folder / "console"
         self.process = subprocess.Popen(
-            [APP, "--console", f"pty:{link}"], stderr=subprocess.PIPE, stdin=subprocess.DEVNULL
+            [APP, "--console", f"pty:{link}", *options],
+            stderr=subprocess.PIPE,
+            stdin=subprocess.DEVNULL,
         )
         limit = time.monotonic() + DEADLINE_S
         while not link.exists():
@@ -164,6 +168,7 @@ class Session:
             ready = select.select([self._fd], [], [], max(left, 0))[0]
             assert ready, f"the screen stayed\n{self.screen.text}\nraw {self.raw[-300:]!r}"
             data = os.read(self._fd, 4096)
+            assert data, f"the light has gone: {self.process.communicate()[1]!r}"
             self.raw += data
             self.screen.feed(data)
             for answer in self.screen.answers:
@@ -208,8 +213,8 @@ class Session:
 def start(tmp_path: Path) -> Iterator[Callable[..., Session]]:
     sessions = []
 
-    def begin(columns: int = 80) -> Session:
-        sessions.append(Session(tmp_path, columns))
+    def begin(columns: int = 80, *options: str) -> Session:
+        sessions.append(Session(tmp_path, columns, *options))
         return sessions[-1]
 
     yield begin
@@ -496,6 +501,46 @@ def test_settings_in_memory_survive_a_reset_only(shell: Session) -> None:
     reboot(shell)
     assert shell.run("settings list") == ["light/level  2 bytes"]
     assert shell.run("settings status")[0] == "in memory: lost when the process ends"
+
+
+def test_torn_write_by_control_keeps_the_old_value(
+    start: Callable[..., Session], tmp_path: Path
+) -> None:
+    control = tmp_path / "control"
+    shell = start(80, "--control", str(control), "--settings", str(tmp_path / "settings"))
+    assert shell.run("save light/level old") == ["saved: 0"]
+    request = {"op": "fault", "device": "storage", "kind": "torn", "byte": 20}
+    with socket.socket(socket.AF_UNIX) as client:
+        client.connect(str(control))
+        client.sendall(json.dumps(request).encode() + b"\n")
+        assert json.loads(client.makefile().readline())["ok"] is True
+    # -5: EIO
+    assert shell.run("save light/level new") == ["saved: -5"]
+    reboot(shell)
+    assert shell.run("settings read light/level")[0].endswith("|old             |")
+    assert shell.run("save light/level new") == ["saved: 0"]
+    assert shell.run("settings read light/level")[0].endswith("|new             |")
+
+
+def test_stdio_on_a_terminal_is_a_terminal() -> None:
+    master, slave = os.openpty()
+    process = subprocess.Popen([APP, "--console", "stdio"], stdin=slave, stdout=slave, stderr=slave)
+    os.close(slave)
+    screen = Terminal()
+    limit = time.monotonic() + DEADLINE_S
+    os.write(master, b"say a\rexit\r")
+    while process.poll() is None or select.select([master], [], [], 0)[0]:
+        assert time.monotonic() < limit, screen.text
+        if select.select([master], [], [], 0.01)[0]:
+            try:
+                screen.feed(os.read(master, 4096))
+            except OSError:
+                # EIO: the last one at the other end has closed it.
+                break
+    os.close(master)
+    assert process.wait() == 0
+    assert f"{PROMPT}say a" in screen.text
+    assert "<a>" in screen.text
 
 
 def pipe(script: str, *options: str) -> subprocess.CompletedProcess[str]:

@@ -42,7 +42,10 @@ struct stdio {
 
 static bool in_background(const struct stdio *stdio)
 {
-	return stdio->kept.is_terminal && tcgetpgrp(STDIN_FILENO) != getpgrp();
+	const pid_t group = tcgetpgrp(STDIN_FILENO);
+
+	/* -1: not our controlling terminal, so nobody can stop us for reading it. */
+	return stdio->kept.is_terminal && group != -1 && group != getpgrp();
 }
 
 static void make_raw(struct stdio *stdio)
