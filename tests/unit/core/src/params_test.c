@@ -1,0 +1,237 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "core/params.h"
+
+#include <string.h>
+
+#include <zephyr/ztest.h>
+
+static struct params params;
+static uint64_t changed;
+
+static void before(void *fixture)
+{
+	params_init(&params);
+	changed = UINT64_MAX;
+}
+
+ZTEST_SUITE(core_params, NULL, NULL, before, NULL, NULL);
+
+static enum params_result set(const char *name, int32_t value)
+{
+	return params_set_by_name(&params, name, strlen(name), value, &changed);
+}
+
+static int32_t get(const char *name)
+{
+	int32_t value = -1;
+
+	zassert_equal(params_get_by_name(&params, name, strlen(name), &value), PARAMS_OK);
+	return value;
+}
+
+/* MAVLink reference: names of at most 16 characters; DroneCAN and the shell want them plain. */
+ZTEST(core_params, test_every_row_is_complete_and_its_name_is_unique)
+{
+	static const char *const prefixes[] = {"LGT_", "STRB_", "THR_", "SYNC_", "MAV_"};
+
+	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+		const struct param_info *info = params_info(i);
+		bool prefixed = false;
+
+		zassert_true(strlen(info->name) <= 16, "%s", info->name);
+		zassert_equal(strspn(info->name, "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_"),
+		              strlen(info->name), "%s", info->name);
+		for (size_t p = 0; p < ARRAY_SIZE(prefixes); p++) {
+			prefixed |= strncmp(info->name, prefixes[p], strlen(prefixes[p])) == 0;
+		}
+		zassert_true(prefixed, "%s", info->name);
+		zassert_true(strlen(info->meaning) > 0, "%s", info->name);
+		zassert_equal(params_find(info->name, strlen(info->name)), i, "%s", info->name);
+	}
+	zassert_is_null(params_info(PARAM_COUNT));
+}
+
+ZTEST(core_params, test_defaults_are_kconfig_values_and_can_all_be_set)
+{
+	zassert_equal(get("STRB_MIN_US"), CONFIG_PHAROS_STROBE_PERIOD_MIN_US);
+	zassert_equal(get("THR_SHUTDOWN"), CONFIG_PHAROS_THERMAL_SHUTDOWN_MDEGC);
+	zassert_equal(get("MAV_COMPID"), 243); /* MAV_COMP_ID_ILLUMINATOR */
+	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+		const enum params_result result =
+			params_set(&params, i, params_info(i)->fallback, &changed);
+
+		zassert_equal(result, PARAMS_OK);
+		zassert_equal(changed, 0, "it was that already");
+	}
+}
+
+ZTEST(core_params, test_set_tells_what_changed)
+{
+	zassert_equal(set("SYNC_MODE", 1), PARAMS_OK);
+	zassert_equal(changed, PARAM_MASK(PARAM_SYNC_MODE));
+	zassert_equal(get("SYNC_MODE"), 1);
+	zassert_equal(set("SYNC_MODE", 1), PARAMS_OK);
+	zassert_equal(changed, 0);
+}
+
+ZTEST(core_params, test_unknown_names_and_indices)
+{
+	int32_t value = 77;
+
+	zassert_equal(params_get(&params, PARAM_COUNT, &value), PARAMS_UNKNOWN);
+	zassert_equal(value, 77);
+	zassert_equal(params_set(&params, UINT32_MAX, 0, &changed), PARAMS_UNKNOWN);
+	zassert_equal(changed, 0);
+	zassert_equal(set("SYNC_MOD", 1), PARAMS_UNKNOWN);
+	zassert_equal(set("SYNC_MODE_", 1), PARAMS_UNKNOWN);
+	zassert_equal(set("", 1), PARAMS_UNKNOWN);
+	/* PARAM_SET carries 16 bytes without a terminator. */
+	zassert_equal(params_find("SYNC_MODExxxxxxx", 9), PARAM_SYNC_MODE);
+}
+
+ZTEST(core_params, test_each_range_is_closed)
+{
+	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+		const struct param_info *info = params_info(i);
+		const struct params kept = params;
+
+		if (info->min > INT32_MIN) {
+			zassert_equal(params_set(&params, i, info->min - 1, &changed),
+			              PARAMS_OUT_OF_RANGE, "%s", info->name);
+		}
+		if (info->max < INT32_MAX) {
+			zassert_equal(params_set(&params, i, info->max + 1, &changed),
+			              PARAMS_OUT_OF_RANGE, "%s", info->name);
+		}
+		zassert_equal(changed, 0);
+		zassert_mem_equal(&params, &kept, sizeof(kept));
+	}
+	zassert_equal(set("SYNC_FILT_US", 0), PARAMS_OK);
+	zassert_equal(set("SYNC_FILT_US", 1000000), PARAMS_OK);
+}
+
+ZTEST(core_params, test_temperatures_stay_in_order)
+{
+	const int32_t recover = get("THR_RECOVER");
+	const int32_t throttle = get("THR_THROTTLE");
+	const int32_t shutdown = get("THR_SHUTDOWN");
+	const int32_t top = get("THR_SENS_MAX");
+
+	zassert_equal(set("THR_RECOVER", throttle), PARAMS_CONFLICT);
+	zassert_equal(changed, 0);
+	zassert_equal(set("THR_RECOVER", throttle - 1), PARAMS_OK);
+	zassert_equal(set("THR_RECOVER", recover), PARAMS_OK);
+	zassert_equal(set("THR_THROTTLE", shutdown), PARAMS_CONFLICT);
+	zassert_equal(set("THR_THROTTLE", recover), PARAMS_CONFLICT);
+	zassert_equal(set("THR_SHUTDOWN", throttle), PARAMS_CONFLICT);
+	zassert_equal(set("THR_SHUTDOWN", top), PARAMS_CONFLICT);
+	zassert_equal(set("THR_SENS_MAX", shutdown), PARAMS_CONFLICT);
+	zassert_equal(set("THR_SENS_MIN", recover), PARAMS_CONFLICT);
+	zassert_equal(get("THR_THROTTLE"), throttle);
+	zassert_equal(get("THR_SHUTDOWN"), shutdown);
+}
+
+ZTEST(core_params, test_strobe_periods_stay_in_order_and_may_be_equal)
+{
+	const int32_t max = get("STRB_MAX_US");
+
+	zassert_equal(set("STRB_MIN_US", max), PARAMS_OK);
+	zassert_equal(set("STRB_MIN_US", max + 1), PARAMS_CONFLICT);
+	zassert_equal(set("STRB_MAX_US", max - 1), PARAMS_CONFLICT);
+}
+
+ZTEST(core_params, test_reset_tells_what_changed)
+{
+	zassert_equal(params_reset(&params), 0);
+	set("SYNC_MODE", 1);
+	set("LGT_CURVE", 0);
+	zassert_equal(params_reset(&params),
+	              PARAM_MASK(PARAM_SYNC_MODE) | PARAM_MASK(PARAM_LGT_CURVE));
+	zassert_equal(get("SYNC_MODE"), 0);
+}
+
+ZTEST(core_params, test_load_takes_a_set_that_no_order_of_single_sets_would)
+{
+	struct params stored = params;
+
+	stored.values[PARAM_THR_RECOVER] = 110000;
+	stored.values[PARAM_THR_THROTTLE] = 120000;
+	stored.values[PARAM_THR_SHUTDOWN] = 130000;
+	zassert_equal(params_load(&params, stored.values), 0);
+	zassert_equal(get("THR_RECOVER"), 110000);
+}
+
+ZTEST(core_params, test_load_repairs_what_is_out_of_range_or_at_odds)
+{
+	struct params stored = params;
+
+	stored.values[PARAM_SYNC_MODE] = 2;
+	stored.values[PARAM_LGT_CURVE] = 0;
+	stored.values[PARAM_THR_RECOVER] = 100000; /* above the default throttle */
+	zassert_equal(params_load(&params, stored.values),
+	              PARAM_MASK(PARAM_SYNC_MODE) | PARAM_MASK(PARAM_THR_RECOVER));
+	zassert_equal(get("LGT_CURVE"), 0, "the good ones are kept");
+	zassert_equal(get("THR_RECOVER"), CONFIG_PHAROS_THERMAL_RECOVER_MDEGC);
+}
+
+ZTEST(core_params, test_any_garbage_loads_as_something_that_works)
+{
+	uint32_t random = 12345;
+
+	for (int round = 0; round < 2000; round++) {
+		struct params stored;
+		struct thermal_config thermal;
+		struct illuminator_config light;
+		static struct thermal machine;
+		static struct illuminator illuminator;
+
+		for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+			const struct param_info *info = params_info(i);
+			const int64_t span = (int64_t)info->max - info->min + 1;
+
+			random = random * 1664525u + 1013904223u; /* Numerical Recipes */
+			stored.values[i] = (random & 0xF00) ? (int32_t)(info->min + random % span)
+			                                    : (int32_t)random;
+		}
+		params_load(&params, stored.values);
+		params_thermal(&params, &thermal);
+		params_illuminator(&params, &light);
+		thermal_init(&machine, 0, &thermal); /* these assert their ranges */
+		illuminator_init(&illuminator, &light);
+		for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+			zassert_equal(params_set(&params, i, params.values[i], &changed), PARAMS_OK,
+			              "round %d, %s", round, params_info(i)->name);
+		}
+	}
+}
+
+ZTEST(core_params, test_groups_divide_the_table)
+{
+	uint64_t all = 0;
+
+	for (enum param_group group = PARAM_GROUP_LIGHT; group <= PARAM_GROUP_ARBITER; group++) {
+		const uint64_t mask = params_group_mask(group);
+
+		zassert_equal(all & mask, 0);
+		all |= mask;
+	}
+	zassert_equal(all, (UINT64_C(1) << PARAM_COUNT) - 1);
+	zassert_true((params_group_mask(PARAM_GROUP_SYNC) & PARAM_MASK(PARAM_SYNC_POL)) != 0);
+}
+
+ZTEST(core_params, test_modules_get_their_units)
+{
+	struct sync_config sync;
+	struct arbiter_config arbiter;
+
+	set("SYNC_LOSS_MS", 3600000);
+	set("SYNC_LOSS", 2);
+	set("LGT_SRC_PRIO", 4);
+	set("LGT_SRC_HOLD", 1500);
+	params_sync(&params, &sync);
+	params_arbiter(&params, &arbiter);
+	zassert_equal(sync.timeout_us, 3600000000u);
+	zassert_equal(sync.policy, SYNC_POLICY_INTERNAL);
+	zassert_equal(arbiter.priority, ARBITER_SOURCE_SHELL);
+	zassert_equal(arbiter.hold_us, 1500000);
+}

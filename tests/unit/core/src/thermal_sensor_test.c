@@ -1,0 +1,240 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The sensor machine: what counts as a failure, what it limits, and how it heals. */
+#include "core/thermal.h"
+
+#include <zephyr/ztest.h>
+
+#include "core/limits.h"
+#include "thermal_fixture.h"
+
+static struct thermal_rig rig;
+
+static void before(void *fixture)
+{
+	rig_start(&rig);
+	rig_temp(&rig, 25000);
+}
+
+ZTEST_SUITE(core_thermal_sensor, NULL, NULL, before, NULL, NULL);
+
+static void assert_failed(enum thermal_fault fault)
+{
+	const struct thermal_report *report = &rig.thermal.report;
+
+	zassert_equal(report->sensor, THERMAL_SENSOR_FAILED);
+	zassert_equal(report->fault, fault);
+	zassert_equal(report->flags, THERMAL_FLAG_THERMISTOR);
+	zassert_equal(report->limit_ppm, 100000);
+	zassert_false(report->temp_valid);
+}
+
+static void assert_ok(void)
+{
+	zassert_equal(rig.thermal.report.sensor, THERMAL_SENSOR_OK);
+	zassert_equal(rig.thermal.report.fault, THERMAL_FAULT_NONE);
+	zassert_equal(rig.thermal.report.flags, 0);
+}
+
+ZTEST(core_thermal_sensor, test_open_limits_with_the_very_sample)
+{
+	rig_sample(&rig, THERMAL_SAMPLE_OPEN, 0);
+	assert_failed(THERMAL_FAULT_OPEN);
+}
+
+ZTEST(core_thermal_sensor, test_short_limits_with_the_very_sample)
+{
+	rig_sample(&rig, THERMAL_SAMPLE_SHORT, 0);
+	assert_failed(THERMAL_FAULT_SHORT);
+}
+
+ZTEST(core_thermal_sensor, test_first_sample_ever_may_be_the_failure)
+{
+	rig_start(&rig);
+	rig_sample(&rig, THERMAL_SAMPLE_OPEN, 0);
+	assert_failed(THERMAL_FAULT_OPEN);
+}
+
+ZTEST(core_thermal_sensor, test_temperature_out_of_the_physical_range)
+{
+	rig_start(&rig);
+	rig_temp(&rig, -50000);
+	assert_ok();
+	rig_start(&rig);
+	rig_temp(&rig, -50001);
+	assert_failed(THERMAL_FAULT_RANGE);
+	rig_start(&rig);
+	rig_temp(&rig, 150001);
+	assert_failed(THERMAL_FAULT_RANGE);
+	rig_start(&rig);
+	rig_temp(&rig, INT32_MIN);
+	assert_failed(THERMAL_FAULT_RANGE);
+}
+
+/* 20 °C/s for 100 ms is 2 °C, and 1 °C of noise. */
+ZTEST(core_thermal_sensor, test_jump_is_implausible)
+{
+	rig_temp(&rig, 28000);
+	assert_ok();
+	rig_temp(&rig, 25000);
+	assert_ok();
+	rig_temp(&rig, 28001);
+	assert_failed(THERMAL_FAULT_RATE);
+	rig_start(&rig);
+	rig_temp(&rig, 25000);
+	rig_temp(&rig, 21999);
+	assert_failed(THERMAL_FAULT_RATE);
+}
+
+ZTEST(core_thermal_sensor, test_jump_is_measured_by_the_time_it_took)
+{
+	rig.now_us += 400000;
+	rig_temp(&rig, 36000); /* 500 ms: 10 °C + 1 °C */
+	assert_ok();
+}
+
+ZTEST(core_thermal_sensor, test_code_that_stands_still_while_lit_is_stuck)
+{
+	rig.lit = true;
+	rig_temp(&rig, 25000);
+	for (int i = 0; i < 9; i++) {
+		rig_sample(&rig, THERMAL_SAMPLE_OK, 25000);
+		assert_ok();
+	}
+	rig_sample(&rig, THERMAL_SAMPLE_OK, 25000); /* 1 s since it changed */
+	assert_failed(THERMAL_FAULT_STUCK);
+}
+
+ZTEST(core_thermal_sensor, test_code_may_stand_still_while_dark)
+{
+	for (int i = 0; i < 1000; i++) {
+		rig_sample(&rig, THERMAL_SAMPLE_OK, 25000);
+	}
+	assert_ok();
+	rig.lit = true;
+	for (int i = 0; i < 9; i++) {
+		rig_sample(&rig, THERMAL_SAMPLE_OK, 25000);
+	}
+	assert_ok();
+	rig_sample(&rig, THERMAL_SAMPLE_OK, 25000);
+	assert_failed(THERMAL_FAULT_STUCK);
+}
+
+ZTEST(core_thermal_sensor, test_stuck_does_not_heal_by_darkness)
+{
+	rig.lit = true;
+	for (int i = 0; i < 11; i++) {
+		rig_sample(&rig, THERMAL_SAMPLE_OK, 25000);
+	}
+	assert_failed(THERMAL_FAULT_STUCK);
+	rig.lit = false;
+	for (int i = 0; i < 100; i++) {
+		rig_sample(&rig, THERMAL_SAMPLE_OK, 25000);
+		assert_failed(THERMAL_FAULT_STUCK);
+	}
+	for (int i = 0; i < 3; i++) {
+		rig_temp(&rig, 25000);
+	}
+	assert_ok();
+}
+
+ZTEST(core_thermal_sensor, test_missing_samples_are_a_failure)
+{
+	const int64_t last_us = rig.now_us;
+
+	thermal_step(&rig.thermal, last_us + 500000, NULL);
+	assert_ok();
+	zassert_equal(thermal_deadline_us(&rig.thermal), last_us + 500001);
+	thermal_step(&rig.thermal, last_us + 500001, NULL);
+	assert_failed(THERMAL_FAULT_MISSING);
+	zassert_equal(thermal_deadline_us(&rig.thermal), TIME_NEVER_US);
+}
+
+ZTEST(core_thermal_sensor, test_no_sample_ever_is_a_failure)
+{
+	rig_start(&rig);
+	thermal_step(&rig.thermal, 1500001, NULL);
+	assert_failed(THERMAL_FAULT_MISSING);
+}
+
+ZTEST(core_thermal_sensor, test_sample_after_a_gap_is_the_first_of_those_that_heal)
+{
+	rig.now_us += 500000;
+	rig_temp(&rig, 25000);
+	assert_failed(THERMAL_FAULT_MISSING);
+	rig_temp(&rig, 25000);
+	assert_failed(THERMAL_FAULT_MISSING);
+	rig_temp(&rig, 25000);
+	assert_ok();
+}
+
+ZTEST(core_thermal_sensor, test_heals_only_by_good_samples_in_a_row)
+{
+	rig_sample(&rig, THERMAL_SAMPLE_OPEN, 0);
+	for (int i = 0; i < 20; i++) {
+		rig_temp(&rig, 25000);
+		rig_temp(&rig, 25000);
+		assert_failed(i == 0 ? THERMAL_FAULT_OPEN : THERMAL_FAULT_SHORT);
+		rig_sample(&rig, THERMAL_SAMPLE_SHORT, 0);
+	}
+	rig_temp(&rig, 25000);
+	rig_temp(&rig, 25000);
+	rig_temp(&rig, 25000);
+	assert_ok();
+	zassert_equal(rig.thermal.stats.sensor_failures, 1);
+	zassert_equal(rig.thermal.stats.bad_samples, 21);
+}
+
+ZTEST(core_thermal_sensor, test_limit_rises_slowly_after_healing)
+{
+	rig_sample(&rig, THERMAL_SAMPLE_OPEN, 0);
+	rig_temp(&rig, 25000);
+	rig_temp(&rig, 25000);
+	zassert_equal(rig_temp(&rig, 25000).limit_ppm, 150000); /* 50 000 ppm per sample */
+}
+
+ZTEST(core_thermal_sensor, test_failure_never_makes_the_lamp_brighter)
+{
+	struct thermal_config config = thermal_defaults;
+
+	config.floor_ppm = 0;
+	thermal_configure(&rig.thermal, &config);
+	zassert_equal(rig_go(&rig, 89000).limit_ppm, 50000);
+	zassert_equal(rig_sample(&rig, THERMAL_SAMPLE_OPEN, 0).limit_ppm, 50000);
+	zassert_equal(rig_sample(&rig, THERMAL_SAMPLE_OPEN, 0).limit_ppm, 50000);
+}
+
+ZTEST(core_thermal_sensor, test_failure_in_shutdown_stays_dark_until_cool_and_healed)
+{
+	rig_go(&rig, 90000);
+	const struct thermal_report report = rig_sample(&rig, THERMAL_SAMPLE_SHORT, 0);
+
+	zassert_equal(report.limit_ppm, 0);
+	zassert_equal(report.flags, THERMAL_FLAG_SHUTDOWN | THERMAL_FLAG_THERMISTOR);
+	rig.now_us += 400000; /* time to cool, plausibly: 0.5 s, 11 °C */
+	zassert_equal(rig_temp(&rig, 80000).limit_ppm, 0);
+	zassert_equal(rig_go(&rig, 60000).limit_ppm, 0);
+	zassert_equal(rig.thermal.report.flags, THERMAL_FLAG_SHUTDOWN);
+	zassert_equal(rig_temp(&rig, 59000).limit_ppm, 50000);
+}
+
+ZTEST(core_thermal_sensor, test_heat_is_believed_even_while_healing)
+{
+	struct thermal_config config = thermal_defaults;
+
+	config.good_samples = 1000;
+	thermal_configure(&rig.thermal, &config);
+	rig_sample(&rig, THERMAL_SAMPLE_OPEN, 0);
+	const struct thermal_report report = rig_go(&rig, 90000);
+
+	zassert_equal(report.sensor, THERMAL_SENSOR_FAILED);
+	zassert_equal(report.state, THERMAL_STATE_SHUTDOWN);
+	zassert_equal(report.limit_ppm, 0);
+	zassert_equal(rig_go(&rig, 40000).state, THERMAL_STATE_SHUTDOWN, "cold is not");
+}
+
+ZTEST(core_thermal_sensor, test_gap_of_years_overflows_nothing)
+{
+	rig.now_us += INT64_C(31557600) * 1000000 * 100;
+	rig_temp(&rig, -49000);
+	assert_failed(THERMAL_FAULT_MISSING);
+}
