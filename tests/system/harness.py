@@ -157,6 +157,13 @@ def of(kind: str, messages: Sequence[Any]) -> list[Any]:
     return [m for m in messages if m.get_type() == kind]
 
 
+def payload_of(message: Any) -> bytes:
+    """The payload as it came over the wire, in MAVLink 2: 10 bytes of header, 2 of checksum."""
+    frame = bytes(message.get_msgbuf())
+    assert frame[0] == 0xFD
+    return frame[10:-2]
+
+
 def texts(messages: Sequence[Any]) -> list[str]:
     """The STATUSTEXTs among `messages`."""
     return [str(m.text) for m in of("STATUSTEXT", messages)]

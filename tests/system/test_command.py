@@ -4,6 +4,8 @@ and the facts the project gathered)."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
 from harness import (
@@ -23,11 +25,12 @@ from harness import (
     SET_MESSAGE_INTERVAL,
     STATUS,
     UNSUPPORTED,
+    WIRES,
     Light,
     f32,
     of,
 )
-from pharos import Source, Target
+from pharos import Simulator, Source, Target
 
 GIMBAL_DEVICE_INFORMATION = 283
 COMPONENT_METADATA_OF_QGC = 280  # GIMBAL_MANAGER_INFORMATION, what QGroundControl asks everyone for
@@ -195,11 +198,20 @@ def test_a_burst_of_commands_is_answered_one_by_one_in_order(light: Light) -> No
     assert [a.command for a in acks] == commands
 
 
-def test_mavlink1_client_is_answered_in_mavlink1_until_it_speaks_mavlink2(light: Light) -> None:
-    light.mav.version = 1
-    assert light.mav.command_long(ON_OFF, 1).get_msgbuf()[0] == 0xFE
-    light.mav.version = 2
-    assert light.mav.command_long(ON_OFF, 1).get_msgbuf()[0] == 0xFD
+def test_mavlink1_client_is_answered_in_mavlink1_until_it_speaks_mavlink2(
+    start: Callable[..., Simulator], transport: str
+) -> None:
+    sim = start({"uart0": WIRES[transport]})
+    mav = sim.connect("uart0")
+    mav.version = 1
+    mav.heartbeat()
+    assert mav.command_long(ON_OFF, 1).get_msgbuf()[0] == 0xFE
+    mav.pass_time(5_000_000)
+    assert mav.command_long(ON_OFF, 0).get_msgbuf()[0] == 0xFE
+    mav.version = 2
+    assert mav.command_long(ON_OFF, 1).get_msgbuf()[0] == 0xFD
+    mav.pass_time(0)
+    assert mav.recv("HEARTBEAT").get_msgbuf()[0] == 0xFD
 
 
 def test_sequence_numbers_on_a_link_have_no_gap(light: Light) -> None:

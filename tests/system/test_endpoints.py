@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from harness import ACCEPTED, WIRES, Light, light_on, of
-from pharos import Simulator
+from pharos import MavlinkConnection, Simulator
 from pharos.link import UdpLink
 
 
@@ -71,6 +71,17 @@ def test_tcp_server_that_goes_away_is_reconnected(
     assert light_on(sim).on() == ACCEPTED
 
 
+def test_udp_port_in_use_is_retried_until_it_is_free(start: Callable[..., Simulator]) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("127.0.0.1", 0))
+        port = taken.getsockname()[1]
+        sim = start({"uart0": WIRES["udp"], "uart1": f"udpin:127.0.0.1:{port}"})
+        sim.advance(s=30)
+        assert _errors(sim, "uart1") >= 1
+    sim.advance(s=30)
+    assert sim.connect("uart1").command_long(405, 1).result == ACCEPTED
+
+
 def test_udp_peer_that_refuses_is_no_error_of_the_light(start: Callable[..., Simulator]) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as closed:
         closed.bind(("127.0.0.1", 0))
@@ -87,8 +98,6 @@ def test_udpout_speaks_first_and_takes_answers(start: Callable[..., Simulator]) 
     sim = start({"uart0": f"udpout:{host}:{port}"})
     sim.attach("uart0", link)
     sim.advance(s=3)
-    from pharos import MavlinkConnection
-
     mav = MavlinkConnection(link, sim, sim.dialect)
     mav.recv("HEARTBEAT")
     assert mav.command_long(405, 1).result == ACCEPTED
@@ -106,8 +115,6 @@ def test_udppair_receives_on_one_port_and_sends_to_the_other(
     sim.advance(s=3)
     assert ear.received > 0
     mouth = UdpLink(peer=("127.0.0.1", port))
-    from pharos import MavlinkConnection
-
     talker = MavlinkConnection(mouth, sim, sim.dialect)
     talker.send_command_long(405, 1)
     ear.sent = mouth.sent  # the wire has been sent this much, from another socket

@@ -96,14 +96,16 @@ def test_all_four_links_command_at_once(
         assert [a.result for a in acks] == [ACCEPTED] * 50
 
 
-def test_each_link_keeps_its_own_protocol_version(
-    four: tuple[Simulator, list[MavlinkConnection]],
-) -> None:
-    sim, clients = four
-    clients[1].version = 1
-    for client in clients:
+def test_each_link_keeps_its_own_protocol_version(start: Callable[..., Simulator]) -> None:
+    sim = start(FOUR)
+    clients = {name: sim.connect(name) for name in sorted(FOUR)}
+    clients["uart1"].version = 1
+    for client in clients.values():
+        client.heartbeat()
+    sim.advance(s=5)
+    for name, client in clients.items():
         ack = client.command_long(ON_OFF, 0)
-        assert ack.get_msgbuf()[0] == (0xFE if client is clients[1] else 0xFD)
+        assert ack.get_msgbuf()[0] == (0xFE if name == "uart1" else 0xFD)
 
 
 @pytest.mark.parametrize(

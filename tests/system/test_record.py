@@ -26,8 +26,10 @@ def test_recorded_level_is_what_the_edges_say(
     sim.quit()
     level = read_vcd(path)["level_ppm"]
     recorded = list(zip(level.times_us, level.values, strict=True))
-    assert len(edges) == 30
-    assert [r for r in recorded if r[0] >= edges[0][0]] == edges
+    # 15 flashes in 3 s, and the one that begins with the last instant.
+    assert len(edges) == 31
+    # The end of the process turns the lamp off.
+    assert [r for r in recorded if r[0] >= edges[0][0]] == [*edges, (edges[-1][0], 0)]
 
 
 def test_recorded_temperature_follows_the_heat(
@@ -47,7 +49,31 @@ def test_recorded_temperature_follows_the_heat(
     assert values[-1] > values[0] + 5_000
 
 
-def test_commands_are_recorded(start: Callable[..., Simulator], tmp_path: Path) -> None:
+def test_commanded_settings_are_recorded(start: Callable[..., Simulator], tmp_path: Path) -> None:
+    path = tmp_path / "settings.vcd"
+    sim = start({"uart0": WIRES["udp"]}, options=["--record", str(path)])
+    light = light_on(sim)
+    begin = sim.now_us()
+    light.configure(40, 0.25, 30)
+    light.on()
+    sim.advance(s=1)
+    end = sim.now_us()
+    sim.quit()
+    signals = read_vcd(path)
+    assert signals["enable"].at(begin - 1) == 0
+    expected = {
+        "enable": 1,
+        "mode": 1,
+        "brightness_ppm": 400_000,
+        "strobe_period_us": 250_000,
+        "strobe_duty_ppm": 300_000,
+    }
+    assert {name: signals[name].at(end - 1) for name in expected} == expected
+
+
+def test_each_command_is_recorded_by_its_number(
+    start: Callable[..., Simulator], tmp_path: Path
+) -> None:
     path = tmp_path / "commands.vcd"
     sim = start({"uart0": WIRES["udp"]}, options=["--record", str(path)])
     light = light_on(sim)
@@ -55,8 +81,7 @@ def test_commands_are_recorded(start: Callable[..., Simulator], tmp_path: Path) 
         sim.advance(100_000)
         light.on()
     sim.quit()
-    command = read_vcd(path)["command"]
-    assert [v for v in command.values if v == 405], "five 405s were sent"
+    assert read_vcd(path)["command"].values.count(405) == 5
 
 
 def test_recording_without_a_command_has_every_signal_dark(

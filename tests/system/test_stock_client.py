@@ -96,11 +96,9 @@ def test_mavproxy_turns_the_light_on(address: str, tmp_path: Path) -> None:
 def test_mavutil_with_the_generated_dialect_decodes_status_and_information(address: str) -> None:
     from pymavlink import mavutil
 
-    dialect = load_dialect(find_dialect(BUILD))
+    mavutil.mavlink = load_dialect(find_dialect(BUILD))
     connection = mavutil.mavlink_connection(f"udpout:{address}", source_system=255)
     try:
-        connection.mav = dialect.MAVLink(connection, 255, 190)
-        connection.mav.robust_parsing = True
         connection.mav.heartbeat_send(6, 8, 0, 0, 4)
         status = connection.recv_match(type="ILLUMINATOR_STATUS", blocking=True, timeout=LIMIT_S)
         assert status is not None

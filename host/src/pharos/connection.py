@@ -20,6 +20,8 @@ ILLUMINATOR_COMPONENT = 243
 STEP_MIN_US = 1_000
 STEP_MAX_US = 100_000
 HISTORY_MAX = 100_000
+# A client that has spoken is not silent for longer than this, if keep_alive() is called in time.
+KEEP_ALIVE_US = 15_000_000
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,7 @@ class MavlinkConnection:
         self.inbox: deque[Any] = deque()
         self.history: deque[Any] = deque(maxlen=HISTORY_MAX)
         self.version = 2
+        self._spoke_us: int | None = None
         self._encoder = self._new_codec()
         self._decoder = self._new_codec()
 
@@ -67,6 +70,7 @@ class MavlinkConnection:
 
     def encode(self, message: Any) -> bytes:
         """The next frame that carries `message`: counts the sequence number."""
+        self._spoke_us = self.pacer.now_us()
         frame: bytes = message.pack(self._encoder, force_mavlink1=self.version == 1)
         self._encoder.seq = (self._encoder.seq + 1) % 256
         return bytes(frame)
@@ -140,6 +144,11 @@ class MavlinkConnection:
                 d.MAV_TYPE_GCS, d.MAV_AUTOPILOT_INVALID, 0, 0, d.MAV_STATE_ACTIVE, 3
             )
         )
+
+    def keep_alive(self) -> None:
+        """A heartbeat, if this client has spoken, but not of late."""
+        if self._spoke_us is not None and self.pacer.now_us() - self._spoke_us >= KEEP_ALIVE_US:
+            self.heartbeat()
 
     def command_long(
         self,

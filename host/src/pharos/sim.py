@@ -26,7 +26,7 @@ START_TIMEOUT_S = 20.0
 # Bounds of one advance while links are attached, so that what the light sends always fits in the
 # host's buffers: a pty's is the smallest, 4 KiB.
 CHUNK_MIN_US = 100_000
-CHUNK_MAX_US = 60_000_000
+CHUNK_MAX_US = 20_000_000
 CHUNK_START_US = 1_000_000
 CHUNK_BYTES = 1024
 # Changes of the output that one reply may list.
@@ -88,6 +88,7 @@ class Simulator:
             self.command += [f"--{name}", wire.replace("{folder}", str(self.folder))]
         self.command += options
         self._attached: dict[str, _Attached] = {}
+        self._clients: dict[str, MavlinkConnection] = {}
         self._chunk_us = CHUNK_START_US
         self._now_us = 0
         self._process: subprocess.Popen[bytes] | None = None
@@ -199,6 +200,8 @@ class Simulator:
             return self._now_us
         while True:
             step = min(left, self._chunk_us)
+            for client in self._clients.values():
+                client.keep_alive()
             self._advance_once(step)
             left -= step
             if left <= 0:
@@ -299,6 +302,7 @@ class Simulator:
     def detach(self, name: str) -> None:
         """Closes the link attached to the wire `name`."""
         self._attached.pop(name).link.close()
+        self._clients.pop(name, None)
 
     def open(self, name: str) -> Link:
         """The other end of the wire `name`, attached."""
@@ -318,7 +322,11 @@ class Simulator:
     def connect(
         self, name: str = "uart0", source: Source | None = None, target: Target | None = None
     ) -> MavlinkConnection:
-        """A MAVLink client at the other end of the wire `name`."""
+        """A MAVLink client at the other end of the wire `name`. It speaks at least every
+        KEEP_ALIVE_US while time is advanced, as any station does: a light that listens on UDP
+        forgets peers that are silent."""
         if self.dialect is None:
             self.dialect = load_dialect(find_dialect(self.binary.parent))
-        return MavlinkConnection(self.open(name), self, self.dialect, source, target)
+        client = MavlinkConnection(self.open(name), self, self.dialect, source, target)
+        self._clients[name] = client
+        return client
