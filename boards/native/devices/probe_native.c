@@ -9,6 +9,7 @@
 #include "host/clock.h"
 #include "models/board.h"
 
+BUILD_ASSERT((unsigned int)PROBE_COMMAND == BOARD_PROBE_COMMAND, "as models/board.h says");
 BUILD_ASSERT(PROBE_COUNT <= BOARD_PROBE_COUNT, "the board keeps every channel");
 
 static void probe_native_set(const struct device *dev, enum probe_channel channel, int64_t value)

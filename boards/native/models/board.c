@@ -148,7 +148,8 @@ uint32_t board_lines_read(void)
 
 void board_probe(int64_t now_us, unsigned int channel, int64_t value)
 {
-	if (channel >= BOARD_PROBE_COUNT) {
+	if (channel >= BOARD_PROBE_COUNT ||
+	    (board.probes[channel] == value && channel != BOARD_PROBE_COMMAND)) {
 		return;
 	}
 	board.probes[channel] = value;
@@ -172,9 +173,7 @@ void board_mcu_reset(int64_t now_us)
 		light_changed(now_us);
 	}
 	for (unsigned int channel = 0; channel < BOARD_PROBE_COUNT; channel++) {
-		if (board.probes[channel] != 0) {
-			board_probe(now_us, channel, 0);
-		}
+		board_probe(now_us, channel, 0);
 	}
 }
 

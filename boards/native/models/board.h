@@ -41,7 +41,8 @@ enum board_line {
 	BOARD_LINE_COUNT,
 };
 
-#define BOARD_PROBE_COUNT 16
+#define BOARD_PROBE_COUNT   16
+#define BOARD_PROBE_COMMAND 10u /* an event: the same value again is news */
 
 struct board_pwm {
 	uint32_t period_ns;
@@ -87,7 +88,6 @@ int board_adc_convert(int64_t now_us, uint32_t channel, unsigned int bits, uint1
 void board_lines_configure(int64_t now_us, uint32_t output, uint32_t level, uint32_t pull_up);
 uint32_t board_lines_read(void);
 
-/* Listeners are told even when the value is the same: it may be an event. */
 void board_probe(int64_t now_us, unsigned int channel, int64_t value);
 
 /* --- as the world --- */

@@ -59,7 +59,7 @@ ZTEST(board, test_full_power_heats_as_promised)
 	zassert_within(steady_c(25.0, false), 25.0 + 25.0 * 1.6, 0.001);
 	zassert_within(steady_c(55.0, false), 95.0, 0.001);
 	light_up(board.housing.time_us, 0);
-	/* the electronics alone, 4 W * 12.5 K/W, pass the default shutdown temperature of 100 °C */
+	/* the electronics alone, 4 W * 12.5 K/W, pass any default shutdown temperature */
 	zassert_within(steady_c(55.0, true), 105.0, 0.001);
 }
 
@@ -89,6 +89,28 @@ ZTEST(board, test_reset_puts_the_lamp_out_at_that_instant)
 	zassert_equal(board.probes[3], 0);
 	zassert_equal(board_lines_read(), 1u << BOARD_LINE_SYNC, "the world goes on");
 	zassert_within(lamp_energy_mj(&board.lamp), 60000.0, 1e-6);
+}
+
+static int probed;
+
+static void probe_seen(int64_t now_us, unsigned int channel, int64_t value)
+{
+	probed++;
+}
+
+ZTEST(board, test_same_command_is_news_the_same_setting_is_not)
+{
+	board_listener.probe = probe_seen;
+	probed = 0;
+	board_probe(1, 5, 300000);
+	board_probe(2, 5, 300000);
+	zassert_equal(probed, 1);
+	board_probe(3, BOARD_PROBE_COMMAND, 405);
+	board_probe(4, BOARD_PROBE_COMMAND, 405);
+	zassert_equal(probed, 3);
+	board_probe(5, BOARD_PROBE_COUNT, 1);
+	zassert_equal(probed, 3);
+	zassert_is_null(board_probe_name(BOARD_PROBE_COUNT));
 }
 
 ZTEST(board, test_world_cannot_light_the_lamp_against_the_mcu)
