@@ -121,9 +121,10 @@ static void forget(struct k_thread *thread)
 	}
 }
 
+/* A thread that was never created is as good as dead. */
 void k_thread_abort(k_tid_t thread)
 {
-	if ((thread->base.thread_state & THREAD_DEAD) != 0) {
+	if ((thread->base.thread_state & THREAD_DEAD) != 0 || thread->entry == NULL) {
 		return;
 	}
 	if ((thread->base.user_options & K_ESSENTIAL) != 0) {
