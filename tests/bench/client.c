@@ -2,13 +2,15 @@
 /*
  * Measures whatever answers MAVLink 2 frames over loopback UDP.
  *
- *   bench_client latency PORT ANSWER COUNT FRAME      one at a time; prints p50 and p99 in ns
- *   bench_client rate PORT ANSWER COUNT FRAME WINDOW  WINDOW in flight; prints answers per second
+ *   bench_client latency FROM TO ANSWER COUNT FRAME      one at a time; prints p50 and p99 in ns
+ *   bench_client rate FROM TO ANSWER COUNT FRAME WINDOW  WINDOW in flight; prints answers per
+ * second
  *
- * FRAME: the command, as hex. ANSWER: the message id that counts as an answer (an echo: the
- * command's own). Other messages (heartbeats, streams) are skipped. A datagram may hold several
- * frames. An answer that stays away for ANSWER_TIMEOUT_MS is counted as lost, printed last, and
- * what is in flight is sent anew.
+ * FROM, TO: the client's port and the server's. The same FROM each time is the same peer to a
+ * server that remembers its peers. FRAME: the command, as hex. ANSWER: the message id that counts
+ * as an answer (an echo: the command's own). Other messages (heartbeats, streams) are skipped. A
+ * datagram may hold several frames. An answer that stays away for ANSWER_TIMEOUT_MS is counted as
+ * lost, printed last, and what is in flight is sent anew.
  */
 #include <arpa/inet.h>
 #include <errno.h>
@@ -211,18 +213,24 @@ static int measure_rate(struct client *self, unsigned long count, unsigned int w
 	return EXIT_SUCCESS;
 }
 
-static int connect_to(unsigned long port)
+static int connect_from_to(unsigned long from, unsigned long to)
 {
 	const struct timeval timeout = {.tv_usec = ANSWER_TIMEOUT_MS * 1000};
 	const int buffer = 4 << 20;
+	const struct sockaddr_in own = {
+		.sin_family = AF_INET,
+		.sin_port = htons((uint16_t)from),
+		.sin_addr.s_addr = htonl(INADDR_LOOPBACK),
+	};
 	const struct sockaddr_in peer = {
 		.sin_family = AF_INET,
-		.sin_port = htons((uint16_t)port),
+		.sin_port = htons((uint16_t)to),
 		.sin_addr.s_addr = htonl(INADDR_LOOPBACK),
 	};
 	const int sock = socket(AF_INET, SOCK_DGRAM, 0);
 
-	if (sock < 0 || connect(sock, (const struct sockaddr *)&peer, sizeof(peer)) != 0 ||
+	if (sock < 0 || bind(sock, (const struct sockaddr *)&own, sizeof(own)) != 0 ||
+	    connect(sock, (const struct sockaddr *)&peer, sizeof(peer)) != 0 ||
 	    setsockopt(sock, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof(timeout)) != 0 ||
 	    setsockopt(sock, SOL_SOCKET, SO_RCVBUF, &buffer, sizeof(buffer)) != 0) {
 		perror("bench_client");
@@ -234,24 +242,24 @@ static int connect_to(unsigned long port)
 int main(int argc, char *argv[])
 {
 	struct client self = {0};
-	const bool rate = argc == 7 && strcmp(argv[1], "rate") == 0;
+	const bool rate = argc == 8 && strcmp(argv[1], "rate") == 0;
 
-	if (!rate && !(argc == 6 && strcmp(argv[1], "latency") == 0)) {
+	if (!rate && !(argc == 7 && strcmp(argv[1], "latency") == 0)) {
 		(void)fprintf(stderr,
-		              "bench_client: latency|rate PORT ANSWER COUNT FRAME [WINDOW]\n");
+		              "bench_client: latency|rate FROM TO ANSWER COUNT FRAME [WINDOW]\n");
 		return 2;
 	}
-	const unsigned long count = strtoul(argv[4], NULL, 10);
-	const unsigned long window = rate ? strtoul(argv[6], NULL, 10) : 1;
+	const unsigned long count = strtoul(argv[5], NULL, 10);
+	const unsigned long window = rate ? strtoul(argv[7], NULL, 10) : 1;
 
 	if (count < 1 || count > COUNT_MAX || window < 1 || window > WINDOW_MAX) {
 		(void)fprintf(stderr, "bench_client: COUNT 1…%d, WINDOW 1…%d\n", COUNT_MAX,
 		              WINDOW_MAX);
 		return 2;
 	}
-	self.sock = connect_to(strtoul(argv[2], NULL, 10));
-	self.answer_id = (uint32_t)strtoul(argv[3], NULL, 10);
-	self.frame_length = parse_hex(argv[5], self.frame, sizeof(self.frame));
+	self.sock = connect_from_to(strtoul(argv[2], NULL, 10), strtoul(argv[3], NULL, 10));
+	self.answer_id = (uint32_t)strtoul(argv[4], NULL, 10);
+	self.frame_length = parse_hex(argv[6], self.frame, sizeof(self.frame));
 	return rate ? measure_rate(&self, count, (unsigned int)window)
 	            : measure_latency(&self, count);
 }
