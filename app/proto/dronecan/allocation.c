@@ -105,21 +105,18 @@ uint8_t dronecan_allocation_receive(struct dronecan_allocation *self, int64_t no
 void dronecan_allocation_step(struct dronecan_allocation *self, int64_t now_us,
                               struct dronecan_transport *transport)
 {
-	switch (self->state) {
-	case DRONECAN_ALLOCATION_DONE:
+	if (self->state == DRONECAN_ALLOCATION_DONE) {
 		return;
-	case DRONECAN_ALLOCATION_REQUESTING:
-		if (now_us >= self->request_us) {
-			restart_request_timer(self, now_us, transport);
-			request(self, now_us, transport, 0);
-		}
+	}
+	/* Also when a follow-up is so late that the allocator has forgotten us. */
+	if (now_us >= self->request_us) {
+		restart_request_timer(self, now_us, transport);
+		request(self, now_us, transport, 0);
 		return;
-	case DRONECAN_ALLOCATION_FOLLOWING_UP:
-		if (now_us >= self->follow_up_us) {
-			self->state = DRONECAN_ALLOCATION_REQUESTING;
-			request(self, now_us, transport, self->confirmed);
-		}
-		return;
+	}
+	if (self->state == DRONECAN_ALLOCATION_FOLLOWING_UP && now_us >= self->follow_up_us) {
+		self->state = DRONECAN_ALLOCATION_REQUESTING;
+		request(self, now_us, transport, self->confirmed);
 	}
 }
 

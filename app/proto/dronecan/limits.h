@@ -15,7 +15,7 @@
 #define DRONECAN_TRANSFER_TIMEOUT_US (2 * US_PER_S)
 #define DRONECAN_SUBSCRIPTIONS_MAX   32u
 
-/* Nodes times types that talk to us within seconds of each other; one is 40 bytes. */
+/* Nodes times types that talk to us within seconds of each other; one is 24 bytes. */
 #define DRONECAN_RX_SESSIONS    48u
 /* Multi-frame transfers under way at once: ten nodes and some. */
 #define DRONECAN_RX_BUFFERS     12u

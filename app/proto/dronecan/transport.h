@@ -45,7 +45,8 @@ enum dronecan_kind {
 
 /*
  * source, target 0…127: 0 is an anonymous source, a broadcast. priority 0 (highest) … 31. id: the
- * transfer id, 0…31. data of a received one holds until the next dronecan_transport_receive().
+ * transfer id, 0…31. data of a received one holds until the next dronecan_transport_receive(),
+ * and no longer than the frame given to it.
  */
 struct dronecan_transfer {
 	const struct dronecan_type *type;

@@ -458,6 +458,20 @@ ZTEST(dronecan_node, test_another_nodes_request_takes_the_follow_up_back)
 	zassert_equal(frame.data[0], 0x01, "from the start again");
 }
 
+/* The allocator forgets after 500 ms: whoever comes later than that begins anew. */
+ZTEST(dronecan_node, test_a_late_follow_up_begins_anew)
+{
+	int64_t now_us;
+
+	device_start(0, false);
+	next_request(&now_us);
+	allocator_says(now_us, 0, 6);
+	device_step(now_us + SECOND);
+	zassert_equal(device_bus.count, 1);
+	zassert_equal(device_bus.frames[0].data[0], 0x01);
+	zassert_true(dronecan_node_deadline_us(&device.node) > now_us + SECOND);
+}
+
 ZTEST(dronecan_node, test_an_answer_to_somebody_else_is_not_ours)
 {
 	static const uint8_t other[] = {125 << 1, 1,  2,  3,  4,  5,  6,  7, 8,

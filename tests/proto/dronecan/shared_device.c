@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The DroneCAN endpoint over a real illuminator, as a shared library for test_peer.py: frames in,
+ * frames out, time by hand. Bytes from the tunnel come back with each bit inverted.
+ */
+#include "core/assert.h"
+#include "proto/dronecan/endpoint.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static struct dronecan_endpoint endpoint;
+static struct dronecan_endpoint_config config = {
+	.node =
+		{
+			.unique_id = {0xA0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15},
+			.name = "org.pharos.light",
+			.software_major = 1,
+			.software_minor = 2,
+			.hardware_major = 3,
+			.hardware_minor = 4,
+		},
+	.lights = {.light_id = 254,
+                   .hardpoint_id = 0,
+                   .brightness_actuator_id = 9,
+                   .pan_actuator_id = 10,
+                   .tilt_actuator_id = 11},
+};
+static struct params params;
+static struct illuminator illuminator;
+static int32_t actions[8]; /* how often each node action was asked for */
+
+_Noreturn void pharos_assert_failed(const char *file, int line)
+{
+	(void)file;
+	(void)line;
+	abort();
+}
+
+void device_start(uint8_t node_id, bool fd, uint32_t seed)
+{
+	struct illuminator_config lamp;
+
+	config.node_id = node_id;
+	config.fd = fd;
+	config.seed = seed;
+	memset(actions, 0, sizeof(actions));
+	params_init(&params);
+	params_illuminator(&params, &lamp);
+	illuminator_init(&illuminator, &lamp);
+	dronecan_endpoint_init(&endpoint, 0, &config, &params);
+}
+
+static void perform(int64_t now_us, const struct dronecan_outbox *out)
+{
+	uint8_t bytes[DRONECAN_TUNNEL_CHUNK];
+
+	for (uint8_t i = 0; i < out->node.count; i++) {
+		actions[out->node.actions[i].kind]++;
+	}
+	for (uint8_t i = 0; i < out->lights.count; i++) {
+		const struct dronecan_lights_action *action = &out->lights.actions[i];
+		struct illuminator_outbox effects;
+
+		for (uint8_t e = 0;
+		     action->kind == DRONECAN_LIGHTS_EVENTS && e < action->events_count; e++) {
+			illuminator_step(&illuminator, now_us, &action->events[e], &effects);
+		}
+	}
+	if (out->tunnel_received && out->tunnel.size > 0) {
+		for (size_t i = 0; i < out->tunnel.size; i++) {
+			bytes[i] = (uint8_t)~out->tunnel.data[i];
+		}
+		dronecan_tunnel_write(&endpoint.tunnel, now_us, out->tunnel.channel, bytes,
+		                      out->tunnel.size);
+	}
+}
+
+void device_receive(int64_t now_us, uint32_t id, bool fd, const uint8_t *data, uint8_t size)
+{
+	struct dronecan_frame frame = {.id = id, .fd = fd, .size = size};
+	struct dronecan_outbox out;
+
+	memcpy(frame.data, data, size);
+	dronecan_endpoint_receive(&endpoint, now_us, &frame, &out);
+	perform(now_us, &out);
+}
+
+void device_step(int64_t now_us)
+{
+	struct dronecan_outbox out;
+
+	dronecan_endpoint_report(&endpoint, now_us, &illuminator);
+	dronecan_endpoint_step(&endpoint, now_us, &out);
+	perform(now_us, &out);
+}
+
+bool device_next(int64_t now_us, struct dronecan_frame *frame)
+{
+	const bool some = dronecan_endpoint_next_frame(&endpoint, now_us, frame);
+
+	dronecan_endpoint_frame_sent(&endpoint);
+	return some;
+}
+
+int32_t device_action_count(uint32_t kind)
+{
+	return actions[kind];
+}
+
+int32_t device_param(const char *name)
+{
+	int32_t value = 0;
+
+	params_get_by_name(&params, name, strlen(name), &value);
+	return value;
+}
+
+int32_t device_brightness_ppm(void)
+{
+	return illuminator.settings.enable ? (int32_t)illuminator.settings.brightness_ppm : 0;
+}
+
+uint64_t device_rx_errors(void)
+{
+	return dronecan_transport_rx_errors(&endpoint.transport);
+}
