@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Starts echo_app and talks to its control socket and wires. Loopback only, ports chosen by the system."""
+"""Starts echo_app and talks to its control socket and wires, on ports of the system's choice."""
 
 from __future__ import annotations
 
@@ -129,7 +129,8 @@ def start(binary: Path, tmp_path: Path) -> Iterator[Start]:
         light.close()
         # A sanitizer's report must not go unnoticed.
         text = light.stderr.read_text()
-        assert "ERROR: " not in text and "runtime error" not in text, text
+        assert "ERROR: " not in text, text
+        assert "runtime error" not in text, text
 
 
 class Peer:

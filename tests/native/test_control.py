@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
 from conftest import PATIENCE_S, Peer, Start
 
 CONTROL_MD = Path(__file__).parents[2] / "boards" / "native" / "CONTROL.md"
@@ -263,8 +262,8 @@ def test_a_hundred_resets_leave_no_descriptor_behind(start: Start) -> None:
 
 
 def run_trace(start: Start, seed: int) -> bytes:
-    light = start("--seed", str(seed), "--uart0", "udpin:127.0.0.1:0", "--uart1", "tcpin:127.0.0.1:0",
-                  "--trace", "{folder}/trace")  # fmt: skip
+    wires = ("--uart0", "udpin:127.0.0.1:0", "--uart1", "tcpin:127.0.0.1:0")
+    light = start("--seed", str(seed), "--trace", "{folder}/trace", *wires)
     light.do("fault", device="uart0", kind="doubled", rate_ppm=100_000)
     udp, tcp = Peer(light, "uart0"), Peer(light, "uart1")
     sent = 0

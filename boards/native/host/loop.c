@@ -17,7 +17,8 @@
 
 enum {
 	EVENTS_MAX = 16,
-	HOT_MAX = 64
+	HOT_MAX = 64,    /* hot reads before the others get their turn */
+	SPIN_NS = 50000, /* a wait that was shorter had better been spun */
 };
 
 static int epoll_fd = -1;
@@ -25,6 +26,8 @@ static struct loop_source *always_list;
 static struct loop_timer *timers;
 static struct loop_source *hot;
 static unsigned int hot_count;
+static bool can_spin;
+static bool spins; /* the last wait for a hot source was short */
 static unsigned int source_count;
 
 /* The batch being served, so that a source that is removed meanwhile is not called any more. */
@@ -206,39 +209,78 @@ static int serve_always(void)
 	return count;
 }
 
+/* Waking up from epoll_wait() costs more than a datagram does. */
+static bool spin(struct loop_source *source, int64_t timeout_ns)
+{
+	const uint64_t start_ns = clock_host_ns();
+	const uint64_t limit_ns =
+		timeout_ns < 0 || timeout_ns > SPIN_NS ? SPIN_NS : (uint64_t)timeout_ns;
+
+	do {
+		if (source->again(source)) {
+			return true;
+		}
+	} while (!loop_interrupted() && clock_host_ns() - start_ns < limit_ns);
+	spins = false;
+	return false;
+}
+
+static bool serve_hot(int64_t timeout_ns)
+{
+	struct loop_source *source = hot;
+
+	if (source == NULL || hot_count >= HOT_MAX) {
+		hot_count = 0;
+		return false;
+	}
+	hot_count++;
+	if (source->again(source) || (spins && timeout_ns != 0 && spin(source, timeout_ns))) {
+		return true;
+	}
+	hot_count = 0;
+	hot = NULL;
+	return false;
+}
+
+static int serve_events(void)
+{
+	int count = 0;
+
+	for (int i = 0; i < batch_count; i++) {
+		struct loop_source *source = batch[i].data.ptr;
+
+		if (source != NULL) {
+			count++;
+			source->ready(source, batch[i].events);
+		}
+	}
+	batch_count = 0;
+	return count;
+}
+
 int loop_poll(int64_t timeout_ns)
 {
-	int served = 0;
+	const bool may_spin = timeout_ns != 0 && can_spin && hot != NULL;
+	uint64_t start_ns;
+	int served;
 
-	/* Spares one epoll_wait() per datagram under load; bounded, so that the others get their
-	 * turn. */
-	if (hot != NULL && hot_count < HOT_MAX) {
-		struct loop_source *source = hot;
-
-		hot = NULL;
-		hot_count++;
-		source->ready(source, EPOLLIN);
+	if (serve_hot(bound_timeout(timeout_ns))) {
 		return 1;
 	}
-	hot = NULL;
-	hot_count = 0;
-	served += serve_always();
-	batch_count = wait_events(served > 0 ? 0 : bound_timeout(timeout_ns));
+	served = serve_always();
+	start_ns = may_spin ? clock_host_ns() : 0;
+	/* A source that is still hot has had its HOT_MAX turns: the others only get a look. */
+	batch_count = wait_events(served > 0 || hot != NULL ? 0 : bound_timeout(timeout_ns));
 	if (batch_count < 0) {
 		batch_count = 0;
 		if (errno != EINTR) {
 			fail("epoll_wait");
 		}
 	}
-	for (int i = 0; i < batch_count; i++) {
-		struct loop_source *source = batch[i].data.ptr;
-
-		if (source != NULL) {
-			served++;
-			source->ready(source, batch[i].events);
-		}
+	if (may_spin && batch_count > 0 && clock_host_ns() - start_ns < SPIN_NS) {
+		spins = true;
 	}
-	batch_count = 0;
+	served += serve_events();
 	if (timers != NULL) {
 		served += run_timers(clock_host_ns());
 	}
@@ -287,6 +329,7 @@ static int start(void)
 	sigaction(SIGINT, &action, NULL);
 	sigaction(SIGTERM, &action, NULL);
 	signal(SIGPIPE, SIG_IGN);
+	can_spin = !clock_is_virtual() && sysconf(_SC_NPROCESSORS_ONLN) > 1;
 	/* Strobe edges in real time: the default slack of 50 us would be visible. */
 	prctl(PR_SET_TIMERSLACK, 1ul);
 	return 0;

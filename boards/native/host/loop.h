@@ -16,6 +16,8 @@ struct loop_source {
 	/* events: EPOLLIN, EPOLLOUT, EPOLLHUP, EPOLLERR. Level-triggered. May remove and free the
 	 * source. */
 	void (*ready)(struct loop_source *source, uint32_t events);
+	/* Only for loop_hot(): reads without waiting; true if something came. */
+	bool (*again)(struct loop_source *source);
 	void *owner;
 	uint32_t wanted; /* the loop's own, as all below */
 	bool added;
@@ -28,7 +30,11 @@ void loop_add(struct loop_source *source, uint32_t events);
 void loop_want(struct loop_source *source, uint32_t events);
 void loop_remove(struct loop_source *source);
 
-/* There is probably more to read: its ready() is called before the loop looks at anything else. */
+/*
+ * Something came, and more may come soon: its again() is tried before the loop looks at anything
+ * else, and, in real time, while peers answer within microseconds, for a short while instead of
+ * going to sleep.
+ */
 void loop_hot(struct loop_source *source);
 
 struct loop_timer {

@@ -35,7 +35,7 @@ struct udp {
 	struct address bind; /* udpin, udppair */
 	struct address send; /* udpout, udppair */
 	struct loop_source source;
-	unsigned int last_batch;
+	unsigned int batch; /* datagrams to read at once */
 	/* Carried over resets. */
 	struct udp_carried {
 		int fd; /* 0: none */
@@ -44,7 +44,11 @@ struct udp {
 	} kept;
 };
 
+/* One read at a time: shared by all wires. */
 static uint8_t datagrams[READ_BATCH][DATAGRAM_MAX];
+static struct mmsghdr message[READ_BATCH];
+static struct iovec part[READ_BATCH];
+static struct sockaddr_storage senders[READ_BATCH];
 
 static void note_peer(struct udp *udp, const struct sockaddr_storage *from)
 {
@@ -89,57 +93,58 @@ static void socket_error(struct wire *wire, const char *what, int error)
 	}
 }
 
-static int read_batch(struct udp *udp, struct mmsghdr *message, struct iovec *part,
-                      struct sockaddr_storage *from)
+/* Reads up to udp->batch datagrams; how many, or -1. */
+static int read_batch(struct udp *udp)
 {
-	/* One datagram at a time while they come one at a time: cheaper for the kernel. */
-	const unsigned int limit = udp->last_batch > 1 ? READ_BATCH : 2;
-
-	for (unsigned int i = 0; i < limit; i++) {
+	for (unsigned int i = 0; i < udp->batch; i++) {
 		part[i] = (struct iovec){datagrams[i], DATAGRAM_MAX};
 		message[i].msg_hdr = (struct msghdr){
-			.msg_name = &from[i],
-			.msg_namelen = sizeof(from[i]),
+			.msg_name = &senders[i],
+			.msg_namelen = sizeof(senders[i]),
 			.msg_iov = &part[i],
 			.msg_iovlen = 1,
 		};
 	}
-	return recvmmsg(udp->kept.fd, message, limit, MSG_DONTWAIT, NULL);
+	return recvmmsg(udp->kept.fd, message, udp->batch, MSG_DONTWAIT, NULL);
+}
+
+static bool read_some(struct loop_source *source)
+{
+	struct wire *wire = source->owner;
+	struct udp *udp = wire->state;
+	int n;
+
+	if (wire->paused) {
+		return false;
+	}
+	n = read_batch(udp);
+	if (n < 0) {
+		udp->batch = 1;
+		if (errno != EAGAIN && errno != EINTR) {
+			socket_error(wire, "receive", errno);
+		}
+		return false;
+	}
+	for (int i = 0; i < n; i++) {
+		if (udp->send.host[0] == '\0') {
+			note_peer(udp, &senders[i]);
+		}
+		wire_received(wire, datagrams[i], message[i].msg_len);
+	}
+	/* Single ones while they come one at a time, more at once while they queue up. */
+	if (udp->batch < READ_BATCH) {
+		udp->batch *= 2;
+	}
+	loop_hot(source);
+	wire_works(wire);
+	wire_received_all(wire);
+	return true;
 }
 
 static void on_ready(struct loop_source *source, uint32_t events)
 {
-	struct wire *wire = source->owner;
-	struct udp *udp = wire->state;
-	struct mmsghdr message[READ_BATCH];
-	struct iovec part[READ_BATCH];
-	struct sockaddr_storage from[READ_BATCH];
-	int n;
-
 	(void)events;
-	if (wire->paused) {
-		return;
-	}
-	n = read_batch(udp, message, part, from);
-	if (n < 0) {
-		udp->last_batch = 0;
-		if (errno != EAGAIN && errno != EINTR) {
-			socket_error(wire, "receive", errno);
-		}
-		return;
-	}
-	udp->last_batch = (unsigned int)n;
-	for (int i = 0; i < n; i++) {
-		if (udp->send.host[0] == '\0') {
-			note_peer(udp, &from[i]);
-		}
-		wire_received(wire, datagrams[i], message[i].msg_len);
-	}
-	if (n > 1) {
-		loop_hot(source);
-	}
-	wire_works(wire);
-	wire_received_all(wire);
+	read_some(source);
 }
 
 static void listen_to(struct wire *wire)
@@ -148,6 +153,8 @@ static void listen_to(struct wire *wire)
 
 	udp->source.fd = udp->kept.fd;
 	udp->source.ready = on_ready;
+	udp->source.again = read_some;
+	udp->batch = 1;
 	udp->source.owner = wire;
 	loop_add(&udp->source, wire->paused ? 0 : EPOLLIN);
 }
@@ -240,7 +247,7 @@ static void pause_reading(struct wire *wire, bool paused)
 
 /* Sends messages from `first`; how many went. A pending error of an earlier one costs no datagram.
  */
-static size_t send_messages(struct wire *wire, struct mmsghdr *message, size_t count)
+static size_t send_messages(struct wire *wire, struct mmsghdr *messages, size_t count)
 {
 	struct udp *udp = wire->state;
 	size_t done = 0;
@@ -251,10 +258,10 @@ static size_t send_messages(struct wire *wire, struct mmsghdr *message, size_t c
 
 		if (count - done == 1) {
 			const ssize_t sent =
-				sendmsg(udp->kept.fd, &message[done].msg_hdr, MSG_NOSIGNAL);
+				sendmsg(udp->kept.fd, &messages[done].msg_hdr, MSG_NOSIGNAL);
 			n = sent < 0 ? -1 : 1;
 		} else {
-			n = sendmmsg(udp->kept.fd, message + done, (unsigned int)(count - done),
+			n = sendmmsg(udp->kept.fd, messages + done, (unsigned int)(count - done),
 			             MSG_NOSIGNAL);
 		}
 		if (n > 0) {
@@ -278,22 +285,22 @@ static size_t send_messages(struct wire *wire, struct mmsghdr *message, size_t c
 static size_t send_to(struct wire *wire, const struct sockaddr_storage *to, const uint8_t *data,
                       const uint32_t *length, size_t count)
 {
-	struct mmsghdr message[SEND_BATCH];
-	struct iovec part[SEND_BATCH];
+	struct mmsghdr messages[SEND_BATCH];
+	struct iovec parts[SEND_BATCH];
 
 	for (size_t i = 0; i < count; i++) {
-		part[i] = (struct iovec){(void *)(uintptr_t)data, length[i]};
+		parts[i] = (struct iovec){(void *)(uintptr_t)data, length[i]};
 		data += length[i];
-		message[i].msg_hdr = (struct msghdr){
+		messages[i].msg_hdr = (struct msghdr){
 			.msg_name = (void *)(uintptr_t)to,
 			.msg_namelen = to == NULL                  ? 0
 		                       : to->ss_family == AF_INET6 ? sizeof(struct sockaddr_in6)
 		                                                   : sizeof(struct sockaddr_in),
-			.msg_iov = &part[i],
+			.msg_iov = &parts[i],
 			.msg_iovlen = 1,
 		};
 	}
-	return send_messages(wire, message, count);
+	return send_messages(wire, messages, count);
 }
 
 static void send_all(struct wire *wire, const uint8_t *data, const uint32_t *length, size_t count)
