@@ -37,7 +37,7 @@ class Frame(ctypes.Structure):
     )
 
 
-def run(*command: str | Path) -> None:
+def run(*command: object) -> None:
     subprocess.run([str(word) for word in command], check=True)
 
 
