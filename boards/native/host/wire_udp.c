@@ -21,6 +21,7 @@
 enum {
 	PEERS_MAX = 8,
 	READ_BATCH = 16,
+	SINGLES_MAX = 8, /* reads of one datagram before a batch is tried */
 	DATAGRAM_MAX = 65536,
 	SEND_BATCH = WIRE_BATCH,
 	SOCKET_BUFFER = 1 << 20,
@@ -35,7 +36,7 @@ struct udp {
 	struct address bind; /* udpin, udppair */
 	struct address send; /* udpout, udppair */
 	struct loop_source source;
-	unsigned int batch; /* datagrams to read at once */
+	unsigned int singles; /* datagrams read one by one since the last batch */
 	/* Carried over resets. */
 	struct udp_carried {
 		int fd; /* 0: none */
@@ -93,10 +94,9 @@ static void socket_error(struct wire *wire, const char *what, int error)
 	}
 }
 
-/* Reads up to udp->batch datagrams; how many, or -1. */
-static int read_batch(struct udp *udp)
+static void prepare_messages(void)
 {
-	for (unsigned int i = 0; i < udp->batch; i++) {
+	for (unsigned int i = 0; i < READ_BATCH; i++) {
 		part[i] = (struct iovec){datagrams[i], DATAGRAM_MAX};
 		message[i].msg_hdr = (struct msghdr){
 			.msg_name = &senders[i],
@@ -105,7 +105,30 @@ static int read_batch(struct udp *udp)
 			.msg_iovlen = 1,
 		};
 	}
-	return recvmmsg(udp->kept.fd, message, udp->batch, MSG_DONTWAIT, NULL);
+}
+
+/* How many datagrams came, or -1. */
+static int read_batch(struct udp *udp)
+{
+	/* recvfrom() is the cheapest for one; now and then a look whether they queue up. */
+	if (udp->singles < SINGLES_MAX) {
+		socklen_t size = sizeof(senders[0]);
+		const ssize_t n = recvfrom(udp->kept.fd, datagrams[0], DATAGRAM_MAX, MSG_DONTWAIT,
+		                           (struct sockaddr *)&senders[0], &size);
+
+		message[0].msg_len = (unsigned int)n;
+		udp->singles++;
+		return n < 0 ? -1 : 1;
+	}
+	const int n = recvmmsg(udp->kept.fd, message, READ_BATCH, MSG_DONTWAIT, NULL);
+
+	for (int i = 0; i < n; i++) {
+		message[i].msg_hdr.msg_namelen = sizeof(senders[i]);
+	}
+	if (n <= 1) {
+		udp->singles = 0;
+	}
+	return n;
 }
 
 static bool read_some(struct loop_source *source)
@@ -119,7 +142,6 @@ static bool read_some(struct loop_source *source)
 	}
 	n = read_batch(udp);
 	if (n < 0) {
-		udp->batch = 1;
 		if (errno != EAGAIN && errno != EINTR) {
 			socket_error(wire, "receive", errno);
 		}
@@ -130,10 +152,6 @@ static bool read_some(struct loop_source *source)
 			note_peer(udp, &senders[i]);
 		}
 		wire_received(wire, datagrams[i], message[i].msg_len);
-	}
-	/* Single ones while they come one at a time, more at once while they queue up. */
-	if (udp->batch < READ_BATCH) {
-		udp->batch *= 2;
 	}
 	loop_hot(source);
 	wire_works(wire);
@@ -154,7 +172,7 @@ static void listen_to(struct wire *wire)
 	udp->source.fd = udp->kept.fd;
 	udp->source.ready = on_ready;
 	udp->source.again = read_some;
-	udp->batch = 1;
+	prepare_messages();
 	udp->source.owner = wire;
 	loop_add(&udp->source, wire->paused ? 0 : EPOLLIN);
 }
@@ -257,8 +275,10 @@ static size_t send_messages(struct wire *wire, struct mmsghdr *messages, size_t 
 		int n;
 
 		if (count - done == 1) {
+			const struct msghdr *one = &messages[done].msg_hdr;
 			const ssize_t sent =
-				sendmsg(udp->kept.fd, &messages[done].msg_hdr, MSG_NOSIGNAL);
+				sendto(udp->kept.fd, one->msg_iov->iov_base, one->msg_iov->iov_len,
+			               MSG_NOSIGNAL, one->msg_name, one->msg_namelen);
 			n = sent < 0 ? -1 : 1;
 		} else {
 			n = sendmmsg(udp->kept.fd, messages + done, (unsigned int)(count - done),
