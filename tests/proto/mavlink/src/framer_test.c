@@ -1,0 +1,267 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The framer: any chunks, noise, false starts; every good frame that can survive does. */
+#include "fixture.h"
+
+#include "vectors/mavlink_frames.h"
+
+static struct mavlink_framer framer;
+
+static void before(void *unused)
+{
+	(void)unused;
+	mavlink_framer_init(&framer);
+}
+
+ZTEST_SUITE(mavlink_framer, NULL, NULL, before, NULL, NULL);
+
+/* Feeds bytes in chunks; counts frames, and checks that they are of the expected length. */
+static uint32_t feed(const uint8_t *bytes, size_t count, size_t chunk)
+{
+	struct mavlink_frame frame;
+	uint32_t frames = 0;
+
+	while (count > 0) {
+		const size_t offered = count < chunk ? count : chunk;
+		const size_t taken = mavlink_framer_write(&framer, bytes, offered);
+
+		zassert_true(taken > 0, "no room although drained");
+		bytes += taken;
+		count -= taken;
+		while (mavlink_framer_next(&framer, &frame)) {
+			frames++;
+		}
+	}
+	return frames;
+}
+
+static uint32_t drain_idle(void)
+{
+	struct mavlink_frame frame;
+	uint32_t frames = 0;
+
+	while (mavlink_framer_idle(&framer, &frame)) {
+		frames++;
+		while (mavlink_framer_next(&framer, &frame)) {
+			frames++;
+		}
+	}
+	return frames;
+}
+
+/* xorshift32, Marsaglia 2003: the same numbers in every run. */
+static uint32_t random_next(uint32_t *state)
+{
+	*state ^= *state << 13;
+	*state ^= *state >> 17;
+	*state ^= *state << 5;
+	return *state;
+}
+
+ZTEST(mavlink_framer, test_versions_and_signed_frames_pass_whole)
+{
+	struct mavlink_frame frame;
+
+	mavlink_framer_write(&framer, COMMAND_ON_V1, sizeof(COMMAND_ON_V1));
+	mavlink_framer_write(&framer, HEARTBEAT_SIGNED, sizeof(HEARTBEAT_SIGNED));
+	mavlink_framer_write(&framer, COMMAND_ON_V2, sizeof(COMMAND_ON_V2));
+	zassert_true(mavlink_framer_next(&framer, &frame));
+	zassert_equal(frame.length, sizeof(COMMAND_ON_V1));
+	zassert_mem_equal(frame.bytes, COMMAND_ON_V1, sizeof(COMMAND_ON_V1));
+	zassert_true(mavlink_framer_next(&framer, &frame));
+	zassert_equal(frame.length, sizeof(HEARTBEAT_SIGNED));
+	zassert_mem_equal(frame.bytes, HEARTBEAT_SIGNED, sizeof(HEARTBEAT_SIGNED));
+	zassert_true(mavlink_framer_next(&framer, &frame));
+	zassert_mem_equal(frame.bytes, COMMAND_ON_V2, sizeof(COMMAND_ON_V2));
+	zassert_false(mavlink_framer_next(&framer, &frame));
+	zassert_false(mavlink_framer_pending(&framer));
+	zassert_equal(framer.stats.frames, 3);
+	zassert_equal(framer.stats.skipped_bytes, 0);
+	zassert_equal(framer.stats.resyncs, 0);
+}
+
+ZTEST(mavlink_framer, test_every_chunk_size_gives_the_same)
+{
+	uint8_t stream[20 * (sizeof(COMMAND_ON_V2) + sizeof(COMMAND_ON_V1))];
+	size_t used = 0;
+
+	for (int i = 0; i < 20; i++) {
+		memcpy(stream + used, COMMAND_ON_V2, sizeof(COMMAND_ON_V2));
+		used += sizeof(COMMAND_ON_V2);
+		memcpy(stream + used, COMMAND_ON_V1, sizeof(COMMAND_ON_V1));
+		used += sizeof(COMMAND_ON_V1);
+	}
+	for (size_t chunk = 1; chunk <= used; chunk++) {
+		mavlink_framer_init(&framer);
+		zassert_equal(feed(stream, used, chunk), 40, "chunks of %u", (unsigned int)chunk);
+		zassert_equal(framer.stats.skipped_bytes, 0);
+	}
+}
+
+ZTEST(mavlink_framer, test_ten_wrong_length_bytes_in_a_hundred_cost_ten_frames)
+{
+	uint8_t stream[100 * sizeof(COMMAND_ON_V2)];
+
+	/* Each wrong length claims more or fewer bytes than there are: reference, "Traps". */
+	for (int wrong = 0; wrong < 256; wrong++) {
+		if (wrong == COMMAND_ON_V2[1]) {
+			continue;
+		}
+		for (int i = 0; i < 100; i++) {
+			uint8_t *const at = stream + i * sizeof(COMMAND_ON_V2);
+
+			memcpy(at, COMMAND_ON_V2, sizeof(COMMAND_ON_V2));
+			if (i % 10 == 5) {
+				at[1] = (uint8_t)wrong;
+			}
+		}
+		mavlink_framer_init(&framer);
+
+		const uint32_t frames = feed(stream, sizeof(stream), 97) + drain_idle();
+
+		zassert_equal(frames, 90, "length %d: %u frames", wrong, (unsigned int)frames);
+		zassert_equal(framer.stats.resyncs, 10);
+		zassert_equal(framer.stats.skipped_bytes, 10 * sizeof(COMMAND_ON_V2));
+	}
+}
+
+ZTEST(mavlink_framer, test_noise_between_frames_costs_no_frame)
+{
+	uint8_t stream[50 * (sizeof(COMMAND_ON_V2) + 40)];
+	uint32_t state = 2463534242u;
+
+	for (int round = 0; round < 200; round++) {
+		size_t used = 0;
+
+		for (int i = 0; i < 50; i++) {
+			const uint32_t noise = random_next(&state) % 40;
+
+			for (uint32_t k = 0; k < noise; k++) {
+				const uint32_t r = random_next(&state);
+
+				/* Every fourth byte of noise looks like a start. */
+				stream[used++] = (r & 3) == 0 ? (uint8_t)(0xFD + (r >> 2 & 1))
+				                              : (uint8_t)(r >> 8);
+			}
+			memcpy(stream + used, COMMAND_ON_V2, sizeof(COMMAND_ON_V2));
+			used += sizeof(COMMAND_ON_V2);
+		}
+		mavlink_framer_init(&framer);
+
+		const uint32_t chunk = 1 + random_next(&state) % 600;
+
+		zassert_equal(feed(stream, used, chunk) + drain_idle(), 50, "round %d", round);
+	}
+}
+
+ZTEST(mavlink_framer, test_random_cuts_cost_only_the_frames_they_hit)
+{
+	uint8_t stream[60 * sizeof(COMMAND_ON_V2)];
+	uint32_t state = 88172645u;
+
+	for (int round = 0; round < 200; round++) {
+		uint32_t whole = 0;
+		size_t used = 0;
+
+		for (int i = 0; i < 60; i++) {
+			const uint32_t r = random_next(&state);
+			const uint8_t *piece = COMMAND_ON_V2;
+			size_t length = sizeof(COMMAND_ON_V2);
+
+			/* Ends are of another frame, so that no end completes a beginning. */
+			if (r % 8 == 0) {
+				length = (r >> 12) % length;
+			} else if (r % 8 == 1) {
+				const size_t from = 8 + (r >> 12) % (length - 8);
+
+				piece = COMMAND_CONFIGURE + from;
+				length = sizeof(COMMAND_CONFIGURE) - from;
+			} else {
+				whole++;
+			}
+			memcpy(stream + used, piece, length);
+			used += length;
+		}
+		mavlink_framer_init(&framer);
+		zassert_equal(feed(stream, used, 1 + random_next(&state) % 300) + drain_idle(),
+		              whole, "round %d", round);
+	}
+}
+
+ZTEST(mavlink_framer, test_one_flipped_bit_costs_one_frame)
+{
+	uint8_t stream[3 * sizeof(COMMAND_ON_V2)];
+
+	for (size_t bit = 0; bit < sizeof(COMMAND_ON_V2) * 8; bit++) {
+		for (int i = 0; i < 3; i++) {
+			memcpy(stream + i * sizeof(COMMAND_ON_V2), COMMAND_ON_V2,
+			       sizeof(COMMAND_ON_V2));
+		}
+		stream[sizeof(COMMAND_ON_V2) + bit / 8] ^= (uint8_t)(1u << bit % 8);
+		mavlink_framer_init(&framer);
+		zassert_equal(feed(stream, sizeof(stream), sizeof(stream)) + drain_idle(), 2,
+		              "bit %u", (unsigned int)bit);
+	}
+}
+
+ZTEST(mavlink_framer, test_unknown_id_does_not_swallow_the_next_frame)
+{
+	/* Id 0xFFFFFF is in no dialect; the header claims 200 bytes. */
+	const uint8_t unknown[] = {0xFD, 200, 0, 0, 1, 2, 3, 0xFF, 0xFF, 0xFF};
+	uint8_t stream[sizeof(unknown) + sizeof(COMMAND_ON_V2)];
+
+	memcpy(stream, unknown, sizeof(unknown));
+	memcpy(stream + sizeof(unknown), COMMAND_ON_V2, sizeof(COMMAND_ON_V2));
+	zassert_equal(feed(stream, sizeof(stream), 1), 1);
+	zassert_equal(framer.stats.unknown_ids, 1);
+	zassert_equal(framer.stats.crc_errors, 0);
+	zassert_equal(framer.stats.skipped_bytes, sizeof(unknown));
+}
+
+ZTEST(mavlink_framer, test_unknown_incompatibility_flag_is_no_frame)
+{
+	uint8_t bytes[sizeof(COMMAND_ON_V2)];
+
+	memcpy(bytes, COMMAND_ON_V2, sizeof(bytes));
+	bytes[2] = 0x02;
+	zassert_equal(feed(bytes, sizeof(bytes), sizeof(bytes)), 0);
+	zassert_equal(framer.stats.skipped_bytes, sizeof(bytes));
+}
+
+ZTEST(mavlink_framer, test_idle_line_gives_up_a_length_that_never_comes)
+{
+	const uint8_t start[] = {0xFD, 255, 0, 0, 0, 1, 1, 0, 0, 0}; /* 267 bytes, 10 come */
+	struct mavlink_frame frame;
+
+	zassert_equal(feed(start, sizeof(start), sizeof(start)), 0);
+	zassert_equal(feed(COMMAND_ON_V2, sizeof(COMMAND_ON_V2), 1), 0);
+	zassert_true(mavlink_framer_pending(&framer));
+	zassert_true(mavlink_framer_idle(&framer, &frame));
+	zassert_mem_equal(frame.bytes, COMMAND_ON_V2, sizeof(COMMAND_ON_V2));
+	zassert_false(mavlink_framer_pending(&framer));
+}
+
+ZTEST(mavlink_framer, test_idle_line_keeps_a_frame_that_is_still_coming)
+{
+	struct mavlink_frame frame;
+
+	zassert_equal(feed(COMMAND_ON_V2, 20, 20), 0);
+	zassert_false(mavlink_framer_idle(&framer, &frame));
+	zassert_equal(feed(COMMAND_ON_V2 + 20, sizeof(COMMAND_ON_V2) - 20, 5), 1);
+	zassert_equal(framer.stats.skipped_bytes, 0);
+}
+
+ZTEST(mavlink_framer, test_reserve_always_has_room_when_drained)
+{
+	struct mavlink_frame frame;
+	size_t room;
+
+	for (int i = 0; i < 5000; i++) {
+		uint8_t *const at = mavlink_framer_reserve(&framer, &room);
+
+		zassert_true(room >= MAVLINK_FRAME_MAX);
+		*at = (uint8_t)(i % 7 == 0 ? 0xFD : i);
+		mavlink_framer_commit(&framer, 1);
+		while (mavlink_framer_next(&framer, &frame)) {
+		}
+	}
+}
