@@ -77,9 +77,32 @@ ZTEST(core_gate, test_internal_strobe_stands_in_after_the_time_out)
 	/* The input comes back: inactive is dark, whatever the strobe was at. */
 	gate_input(&gate, 7100, true);
 	zassert_true(gate_advance(&gate, 7110));
+	zassert_equal(gate_deadline_us(&gate), 12110, "no edge of the strobe is left");
 	gate_input(&gate, 7200, false);
 	zassert_false(gate_advance(&gate, 7210));
 	zassert_equal(gate_deadline_us(&gate), 12210);
+}
+
+ZTEST(core_gate, test_stand_in_stops_when_the_input_comes_back_dark)
+{
+	gate_configure(&gate, 0, &level_internal);
+	gate_input(&gate, 500, true);
+	zassert_true(gate_set(&gate, 1000, &following));
+	zassert_true(gate_advance(&gate, 6000), "the strobe begins lit");
+	gate_input(&gate, 6050, false);
+	zassert_false(gate_advance(&gate, 6060));
+	zassert_equal(gate_deadline_us(&gate), 11060, "no edge of the strobe is left");
+}
+
+ZTEST(core_gate, test_internal_plan_knows_no_time_out)
+{
+	const struct light_plan steady = {.on = true, .level_ppm = 1};
+
+	gate_configure(&gate, 0, &level_internal);
+	gate_set(&gate, 1000, &following);
+	zassert_true(gate_set(&gate, 2000, &steady));
+	zassert_equal(gate_deadline_us(&gate), TIME_NEVER_US);
+	zassert_true(gate_advance(&gate, 100000));
 }
 
 ZTEST(core_gate, test_brightness_alone_does_not_restart_the_time_out)

@@ -199,6 +199,17 @@ ZTEST(core_sync, test_late_call_passes_time_out_change_and_time_out)
 	zassert_equal(SYNC->stats.changes, 1);
 }
 
+ZTEST(core_sync, test_time_out_shorter_than_the_filter_comes_before_and_after_the_change)
+{
+	config.timeout_us = 50;
+	config.policy = SYNC_POLICY_INTERNAL;
+	start(false);
+	sync_input(SYNC, 10, true);
+	zassert_equal(at(9000), SYNC_OUTPUT_INTERNAL); /* 50, change at 110, 160 */
+	zassert_equal(SYNC->stats.timeouts, 2);
+	zassert_equal(SYNC->stats.changes, 1);
+}
+
 ZTEST(core_sync, test_old_timestamp_counts_as_now)
 {
 	start(false);
