@@ -79,23 +79,23 @@ def ctest(preset: str) -> Outcome:
     code, output = run(
         "ctest", "--test-dir", f"build/{preset}", "--output-on-failure", "-j", str(CORES)
     )
-    found = re.search(r"(\d+) tests? failed out of (\d+)|tests passed, (\d+) tests failed out of (\d+)", output)
+    found = re.search(r"(\d+) tests? failed out of (\d+)", output)
     if found is None:
         return Outcome(failed=1, replay=f"ctest --test-dir build/{preset}")
-    failed = int(found[1] or found[3])
-    total = int(found[2] or found[4])
+    failed, total = int(found[1]), int(found[2])
     replay = f"ctest --test-dir build/{preset} --rerun-failed --output-on-failure" if code else ""
     return Outcome(total - failed, max(failed, int(code != 0)), replay)
 
 
 def pytest(preset: str, *where: str) -> Outcome:
-    command = [VENV / "python", "-m", "pytest", "-q", "-n", str(CORES), *where]
+    command: list[str | Path] = [VENV / "python", "-m", "pytest", "-q", "-n", str(CORES), *where]
     code, output = run(*command, env={"PHAROS_BUILD": str(ROOT / "build" / preset)})
     passed = re.search(r"(\d+) passed", output)
     failed = sum(int(n) for n in re.findall(r"(\d+) (?:failed|errors?)\b", output.splitlines()[-1]))
     if passed is None or code != 0:
         failed = max(failed, 1)
-    replay = f"PHAROS_BUILD=build/{preset} .venv/bin/python -m pytest {' '.join(where)} --last-failed"
+    again = f".venv/bin/python -m pytest {' '.join(where)} --last-failed"
+    replay = f"PHAROS_BUILD=build/{preset} {again}"
     return Outcome(int(passed[1]) if passed else 0, failed, replay if failed else "")
 
 
@@ -128,13 +128,11 @@ def fuzz(args: argparse.Namespace) -> Outcome:
         return outcome
     harnesses = sorted((ROOT / "build" / "fuzz" / "tests" / "fuzz").glob("fuzz_*"))
     for harness in (path for path in harnesses if path.is_file() and os.access(path, os.X_OK)):
-        seeds = ROOT / "tests" / "fuzz" / "seeds" / harness.name
         corpus = ROOT / "build" / "fuzz" / "corpus" / harness.name
         corpus.mkdir(parents=True, exist_ok=True)
-        outcome += check(
-            harness, f"-runs={args.fuzz_runs}", "-seed=1", "-timeout=10", "-print_final_stats=1",
-            "-verbosity=0", f"-artifact_prefix={corpus}-", corpus, *([seeds] if seeds.exists() else []),
-        )  # fmt: skip
+        flags = [f"-runs={args.fuzz_runs}", "-seed=1", "-timeout=10", "-verbosity=0"]
+        flags += ["-print_final_stats=1", f"-artifact_prefix={corpus}-"]
+        outcome += check(harness, *flags, corpus)
     return outcome
 
 

@@ -42,7 +42,7 @@ def main() -> int:
     parser.add_argument("fragments", nargs="+", type=Path, help=".conf files, later ones win")
     args = parser.parse_args()
 
-    os.environ["srctree"] = str(args.srctree)
+    os.environ["srctree"] = str(args.srctree)  # noqa: SIM112, kconfiglib reads it so
     try:
         kconf = kconfiglib.Kconfig(str(args.kconfig), warn_to_stderr=False)
         kconf.warn_assign_override = False
@@ -62,8 +62,10 @@ def main() -> int:
     args.out.mkdir(parents=True, exist_ok=True)
     kconf.write_config(str(args.out / ".config"))
     kconf.write_autoconf(str(args.out / "autoconf.h"))
-    read = [args.srctree / name if not os.path.isabs(name) else Path(name)
-            for name in kconf.kconfig_filenames]
+    read = [
+        args.srctree / name if not os.path.isabs(name) else Path(name)
+        for name in kconf.kconfig_filenames
+    ]
     args.sources.write_text("\n".join(str(path) for path in [*read, *args.fragments]) + "\n")
     return 0
 
