@@ -29,7 +29,7 @@ static void begin(void *fixture)
 
 static void end_threads(void *fixture)
 {
-	k_thread_abort(&thread_a);
+	helper_abort(&thread_a);
 }
 
 static void start_a(k_thread_entry_t entry)

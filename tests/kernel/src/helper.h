@@ -33,6 +33,16 @@ static inline void helper_note(char event)
 	helper_log[length] = event;
 }
 
+/* Whether or not it was ever created, and has ended since. */
+static inline void helper_abort(struct k_thread *thread)
+{
+	static const struct k_thread never;
+
+	if (memcmp(thread, &never, sizeof(never)) != 0) {
+		k_thread_abort(thread);
+	}
+}
+
 #define helper_expect(expected)                                                                    \
 	zassert_equal(strcmp(helper_log, expected), 0, "\"%s\" is not \"%s\"", helper_log, expected)
 

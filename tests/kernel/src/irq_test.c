@@ -42,7 +42,7 @@ static void begin(void *fixture)
 
 static void end_threads(void *fixture)
 {
-	k_thread_abort(&thread_a);
+	helper_abort(&thread_a);
 }
 
 ZTEST(kernel_irq, test_raise_runs_at_once_and_preempts)

@@ -29,8 +29,8 @@ static void begin(void *fixture)
 
 static void end_threads(void *fixture)
 {
-	k_thread_abort(&thread_a);
-	k_thread_abort(&thread_b);
+	helper_abort(&thread_a);
+	helper_abort(&thread_b);
 }
 
 static void take_and_note(void *p1, void *p2, void *p3)

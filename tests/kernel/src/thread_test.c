@@ -39,8 +39,8 @@ static k_tid_t start_b(k_thread_entry_t entry, char letter, int prio, k_timeout_
 
 static void end_threads(void *fixture)
 {
-	k_thread_abort(&thread_a);
-	k_thread_abort(&thread_b);
+	helper_abort(&thread_a);
+	helper_abort(&thread_b);
 }
 
 ZTEST(kernel_thread, test_urgent_thread_runs_inside_create)

@@ -147,10 +147,16 @@ ZTEST(kernel_time, test_conversions)
 {
 	zassert_equal(k_ms_to_ticks_ceil64(1000), CONFIG_SYS_CLOCK_TICKS_PER_SEC);
 	zassert_equal(k_ticks_to_ms_floor64(3 * CONFIG_SYS_CLOCK_TICKS_PER_SEC + 1), 3000);
-	zassert_equal(k_us_to_ms_floor32(1999), 1);
-	zassert_equal(k_us_to_ms_near32(1500), 2);
-	zassert_equal(k_us_to_ms_near32(1499), 1);
-	zassert_equal(k_us_to_ms_ceil32(1001), 2);
+	zassert_equal(k_ticks_to_us_ceil64(1), (999999 + CONFIG_SYS_CLOCK_TICKS_PER_SEC) /
+						       CONFIG_SYS_CLOCK_TICKS_PER_SEC);
+	/* 1 tick + 1 ns: up to 2, down to 1. */
+	const uint64_t ns = NSEC_PER_SEC / CONFIG_SYS_CLOCK_TICKS_PER_SEC + 1;
+
+	zassert_equal(k_ns_to_ticks_ceil64(ns), 2);
+	zassert_equal(k_ns_to_ticks_near64(ns), 1);
+	zassert_equal(k_ns_to_ticks_floor64(ns), 1);
+	/* 1.5 ticks. */
+	zassert_equal(k_ns_to_ticks_near64(3 * (ns - 1) / 2), 2);
 	/* 100 years in ms: the intermediate product does not overflow. */
 	zassert_equal(k_ms_to_ticks_floor64(3155760000000ULL),
 		      3155760000ULL * CONFIG_SYS_CLOCK_TICKS_PER_SEC);

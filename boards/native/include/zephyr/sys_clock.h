@@ -40,7 +40,7 @@ typedef struct {
 #define K_USEC(t)    K_TICKS((k_ticks_t)k_us_to_ticks_ceil64(NATIVE_NOT_NEGATIVE(t)))
 #define K_MSEC(t)    K_TICKS((k_ticks_t)k_ms_to_ticks_ceil64(NATIVE_NOT_NEGATIVE(t)))
 #define K_CYC(t)     K_TICKS((k_ticks_t)k_cyc_to_ticks_ceil64(NATIVE_NOT_NEGATIVE(t)))
-#define K_SECONDS(s) K_TICKS((k_ticks_t)k_sec_to_ticks_ceil64(NATIVE_NOT_NEGATIVE(s)))
+#define K_SECONDS(s) K_MSEC((int64_t)(s)*MSEC_PER_SEC)
 #define K_MINUTES(m) K_SECONDS((int64_t)(m)*60)
 #define K_HOURS(h)   K_MINUTES((int64_t)(h)*60)
 

@@ -75,7 +75,7 @@ static inline uint32_t k_uptime_get_32(void)
 
 static inline uint32_t k_uptime_seconds(void)
 {
-	return (uint32_t)k_ticks_to_sec_floor64((uint64_t)k_uptime_ticks());
+	return (uint32_t)(k_uptime_get() / MSEC_PER_SEC);
 }
 
 static inline int64_t k_uptime_delta(int64_t *reftime)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Conversions between units of time: k_<from>_to_<to>_<rounding><bits>(), for sec, ms, us, ns, cyc,
+ * Conversions between units of time: k_<from>_to_<to>_<rounding><bits>(), for ms, us, ns, cyc,
  * ticks; floor, near, ceil; 32 and 64. Exact where the result fits.
  */
 #ifndef ZEPHYR_SYS_TIME_UNITS_H_
@@ -52,7 +52,6 @@ static ALWAYS_INLINE uint64_t native_time_convert(uint64_t value, uint32_t from_
 	return whole * to_hz + (rest + offset) / from_hz;
 }
 
-#define NATIVE_HZ_sec   1U
 #define NATIVE_HZ_ms    1000U
 #define NATIVE_HZ_us    1000000U
 #define NATIVE_HZ_ns    1000000000U
@@ -76,32 +75,16 @@ static ALWAYS_INLINE uint64_t native_time_convert(uint64_t value, uint32_t from_
 	NATIVE_TIME_FN(from, to, near, NEAR)                                                       \
 	NATIVE_TIME_FN(from, to, ceil, CEIL)
 
-NATIVE_TIME_FNS(sec, ms)
-NATIVE_TIME_FNS(sec, us)
-NATIVE_TIME_FNS(sec, ns)
-NATIVE_TIME_FNS(sec, cyc)
-NATIVE_TIME_FNS(sec, ticks)
-NATIVE_TIME_FNS(ms, sec)
-NATIVE_TIME_FNS(ms, us)
-NATIVE_TIME_FNS(ms, ns)
 NATIVE_TIME_FNS(ms, cyc)
 NATIVE_TIME_FNS(ms, ticks)
-NATIVE_TIME_FNS(us, sec)
-NATIVE_TIME_FNS(us, ms)
-NATIVE_TIME_FNS(us, ns)
 NATIVE_TIME_FNS(us, cyc)
 NATIVE_TIME_FNS(us, ticks)
-NATIVE_TIME_FNS(ns, sec)
-NATIVE_TIME_FNS(ns, ms)
-NATIVE_TIME_FNS(ns, us)
 NATIVE_TIME_FNS(ns, cyc)
 NATIVE_TIME_FNS(ns, ticks)
-NATIVE_TIME_FNS(cyc, sec)
 NATIVE_TIME_FNS(cyc, ms)
 NATIVE_TIME_FNS(cyc, us)
 NATIVE_TIME_FNS(cyc, ns)
 NATIVE_TIME_FNS(cyc, ticks)
-NATIVE_TIME_FNS(ticks, sec)
 NATIVE_TIME_FNS(ticks, ms)
 NATIVE_TIME_FNS(ticks, us)
 NATIVE_TIME_FNS(ticks, ns)
