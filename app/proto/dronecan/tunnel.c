@@ -32,7 +32,6 @@ static void close_timed_out(struct dronecan_tunnel *self, int64_t now_us)
 	for (uint8_t i = 0; i < DRONECAN_TUNNEL_CHANNELS; i++) {
 		if (self->channels[i].open && !dronecan_tunnel_is_open(self, now_us, i)) {
 			self->channels[i].open = false;
-			self->channels[i].count = 0;
 			self->stats.closed++;
 		}
 	}

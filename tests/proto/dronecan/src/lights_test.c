@@ -173,6 +173,10 @@ ZTEST(dronecan_lights, test_repetitions_are_marked)
 	zassert_false(actuate(9, 0, 0x3C00)->actions[0].repeated, "another source");
 	zassert_true(give(light(254, 10, 0, 0))->actions[0].repeated);
 	zassert_false(give(light(254, 11, 0, 0))->actions[0].repeated);
+	zassert_false(
+		give(FRAME(0x1804390A, 0xFE, 0xF8, 0x00, 0xFE, 0xF8, 0x00, 0))->actions[0].repeated,
+		"new, though named twice");
+	give(light(254, 11, 0, 0));
 	dronecan_lights_forget(&device.lights);
 	zassert_false(give(light(254, 11, 0, 0))->actions[0].repeated);
 }

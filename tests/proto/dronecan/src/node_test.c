@@ -458,6 +458,19 @@ ZTEST(dronecan_node, test_another_nodes_request_takes_the_follow_up_back)
 	zassert_equal(frame.data[0], 0x01, "from the start again");
 }
 
+/* Only an allocator has a node id: another node's unique id may begin like ours. */
+ZTEST(dronecan_node, test_an_anonymous_message_is_no_answer)
+{
+	const struct dronecan_frame other =
+		FRAME(0x18ABC100, 0x01, 0x11, 0x12, 0x13, 0x14, 0x15, 0x16, 0xC0);
+	int64_t now_us;
+
+	device_start(0, false);
+	next_request(&now_us);
+	dronecan_endpoint_receive(&device, now_us, &other, &device_out);
+	zassert_true(dronecan_node_deadline_us(&device.node) >= now_us + 600 * MS);
+}
+
 /* The allocator forgets after 500 ms: whoever comes later than that begins anew. */
 ZTEST(dronecan_node, test_a_late_follow_up_begins_anew)
 {
