@@ -96,7 +96,7 @@ def test_udpout_speaks_first_and_takes_answers(start: Callable[..., Simulator]) 
     link = UdpLink(bind=("127.0.0.1", 0))
     host, port = link.address
     sim = start({"uart0": f"udpout:{host}:{port}"})
-    sim.attach("uart0", link)
+    sim.attach("uart0", link, from_start=True)
     sim.advance(s=3)
     mav = MavlinkConnection(link, sim, sim.dialect)
     mav.recv("HEARTBEAT")
@@ -111,7 +111,7 @@ def test_udppair_receives_on_one_port_and_sends_to_the_other(
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     sim = start({"uart0": f"udppair:127.0.0.1:{port},127.0.0.1:{ear.address[1]}"})
-    sim.attach("uart0", ear)
+    sim.attach("uart0", ear, from_start=True)
     sim.advance(s=3)
     assert ear.received > 0
     mouth = UdpLink(peer=("127.0.0.1", port))

@@ -293,10 +293,12 @@ class Simulator:
         self.request("reset")
 
     # --- links --------------------------------------------------------------------------------
-    def attach(self, name: str, link: Link) -> Link:
-        """Reads `link` in lock-step with the wire `name` from now on. The simulator closes it."""
+    def attach(self, name: str, link: Link, *, from_start: bool = False) -> Link:
+        """Reads `link` in lock-step with the wire `name` from now on. The simulator closes it.
+        from_start: the link was there before the light, so it holds all that was ever sent."""
         wire = self.wires()[name]
-        self._attached[name] = _Attached(link, wire.rx_bytes, wire.tx_bytes)
+        before = (0, 0) if from_start else (wire.rx_bytes, wire.tx_bytes)
+        self._attached[name] = _Attached(link, *before)
         return link
 
     def detach(self, name: str) -> None:
