@@ -279,3 +279,33 @@ def test_paced_bytes_take_the_time_of_their_bits(start: Start) -> None:
     # 16 667 us, and as long out again.
     assert light.advance(2 * 16_667 - 100, uart0=16)["wires"]["uart0"]["tx_bytes"] == 0
     assert light.advance(200)["wires"]["uart0"]["tx_bytes"] == 16
+
+
+def test_an_output_that_nobody_reads_blocks_nothing(start: Start) -> None:
+    """A pipe holds 64 KiB; the wire a bounded part of the rest; what is left is counted."""
+    light = start("--uart0", "stdio", virtual=False)
+    assert light.process.stdin is not None
+    total = 0
+    for _ in range(40):
+        light.process.stdin.write(b"x" * 50_000)
+        light.process.stdin.flush()
+        total += 50_000
+    wait_until(lambda: light.wire("uart0")["rx_bytes"] == total, "all input")
+    assert light.wire("uart0")["tx_drops"] > 0
+    assert light.quit() == 0
+
+
+def test_a_name_that_is_not_found_stops_nothing(start: Start) -> None:
+    # RFC 6761: names in .invalid never resolve.
+    light = start("--uart0", "udpout:light.invalid:1", "--uart1", "tcp:light.invalid:1")
+    light.advance(1_000_000)
+    assert light.wire("uart0")["address"] == "udpout:light.invalid:1"
+    assert light.quit() == 0
+
+
+def test_it_starts_without_standard_streams(binary: Path, tmp_path: Path) -> None:
+    trace = tmp_path / "trace"
+    command = f"{binary} --time virtual --until 2s --trace {trace} --uart0 udpin:127.0.0.1:0"
+    status = subprocess.run(["sh", "-c", f"exec {command} <&- >&- 2>&-"], timeout=PATIENCE_S)
+    assert status.returncode == 0
+    assert b"timeout main 1000000" in trace.read_bytes()

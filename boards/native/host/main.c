@@ -3,14 +3,29 @@
  * The process's entry. The application's own main() is a thread of the device; the build renames
  * that (boards/native/board.cmake), so that both can be called main.
  */
+#include <fcntl.h>
+#include <unistd.h>
+
 #include "host/carry.h"
 #include "host/module.h"
 #include "kernel/port.h"
 
 #undef main
 
+/* Started without them, a socket would become standard output; no descriptor of ours is 0, either.
+ */
+static void open_standard(void)
+{
+	for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++) {
+		if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", O_RDWR) < 0) {
+			_exit(1);
+		}
+	}
+}
+
 int main(int argc, char *argv[])
 {
+	open_standard();
 	carry_load(argv);
 	options_parse(argc, argv);
 	if (host_start() != 0) {

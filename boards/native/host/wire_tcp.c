@@ -15,7 +15,8 @@
 #include "host/stream.h"
 
 enum {
-	CLIENTS_MAX = 8
+	CLIENTS_MAX = 8,
+	VANISHED_S = 10, /* silent for so long, and no answer: gone */
 };
 
 struct tcp {
@@ -42,6 +43,11 @@ static void set_options(int fd)
 {
 	/* A datagram is to leave at once, not when the next one joins it. */
 	setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &(int){1}, sizeof(int));
+	/* A peer that vanishes without a word is one that hung up. */
+	setsockopt(fd, SOL_SOCKET, SO_KEEPALIVE, &(int){1}, sizeof(int));
+	setsockopt(fd, IPPROTO_TCP, TCP_KEEPIDLE, &(int){VANISHED_S}, sizeof(int));
+	setsockopt(fd, IPPROTO_TCP, TCP_KEEPINTVL, &(int){1}, sizeof(int));
+	setsockopt(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &(int){VANISHED_S * 1000}, sizeof(int));
 }
 
 /* 1: resolved; else a retry is on its way. */

@@ -161,8 +161,18 @@ static bool read_some(struct loop_source *source)
 
 static void on_ready(struct loop_source *source, uint32_t events)
 {
-	(void)events;
-	read_some(source);
+	struct wire *wire = source->owner;
+
+	if (!wire->paused) {
+		read_some(source);
+	} else if ((events & EPOLLERR) != 0) {
+		/* Reading takes the error away; epoll would report it without end. */
+		int error = 0;
+		socklen_t size = sizeof(error);
+
+		getsockopt(source->fd, SOL_SOCKET, SO_ERROR, &error, &size);
+		wire_error(wire, "receive", error);
+	}
 }
 
 static void listen_to(struct wire *wire)
