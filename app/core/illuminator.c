@@ -67,8 +67,8 @@ void illuminator_init(struct illuminator *self, const struct illuminator_config 
 static bool values_valid(const struct illuminator_config *config,
                          const struct illuminator_configure *values)
 {
-	const bool mode = values->mode == ILLUMINATOR_MODE_INTERNAL ||
-	                  values->mode == ILLUMINATOR_MODE_SYNC;
+	const bool mode =
+		values->mode == ILLUMINATOR_MODE_INTERNAL || values->mode == ILLUMINATOR_MODE_SYNC;
 	const bool period = values->strobe_period_us == 0 ||
 	                    (values->strobe_period_us >= config->min_period_us &&
 	                     values->strobe_period_us <= config->max_period_us);

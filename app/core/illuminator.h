@@ -18,7 +18,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Wire values of MAVLink ILLUMINATOR_MODE. */
+/* Wire values of MAVLink ILLUMINATOR_MODE; SYNC is its EXTERNAL_SYNC, a name the dialect takes. */
 enum illuminator_mode {
 	ILLUMINATOR_MODE_INTERNAL = 1,
 	ILLUMINATOR_MODE_SYNC = 2,
