@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import PATIENCE_S, Peer, Start
+from echo_light import PATIENCE_S, Peer, Start
 
 CONTROL_MD = Path(__file__).parents[2] / "boards" / "native" / "CONTROL.md"
 
@@ -277,7 +277,8 @@ def run_trace(start: Start, seed: int) -> bytes:
     assert light.quit() == 0
     udp.close()
     tcp.close()
-    return (light.folder / "trace").read_bytes()
+    trace: bytes = (light.folder / "trace").read_bytes()
+    return trace
 
 
 def test_same_seed_and_inputs_same_trace_to_the_byte(start: Start) -> None:

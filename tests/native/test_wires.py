@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 
 import pytest
-from conftest import PATIENCE_S, Peer, Start, wait_until
+from echo_light import PATIENCE_S, Peer, Start, wait_until
 
 LISTENING = [
     "udpin:127.0.0.1:0",
