@@ -7,16 +7,20 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+
 from echo_light import Light, Start
+
+DEFAULT_BINARY = Path(__file__).parents[2] / "build/native/tests/native/echo_app"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--binary", required=True, help="the echo_app executable")
+    parser.addoption("--binary", help="the echo_app executable; default: that of build/native")
 
 
 @pytest.fixture
 def binary(request: pytest.FixtureRequest) -> Path:
-    return Path(request.config.getoption("--binary")).resolve()
+    given = request.config.getoption("--binary", None)
+    return Path(given).resolve() if given else DEFAULT_BINARY
 
 
 @pytest.fixture

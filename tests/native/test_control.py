@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from echo_light import PATIENCE_S, Peer, Start
 
 CONTROL_MD = Path(__file__).parents[2] / "boards" / "native" / "CONTROL.md"

@@ -15,6 +15,7 @@ import time
 from pathlib import Path
 
 import pytest
+
 from echo_light import PATIENCE_S, Peer, Start, wait_until
 
 LISTENING = [

@@ -6,8 +6,10 @@
  *
  *   while (uart_irq_update(dev) && uart_irq_is_pending(dev)) {
  *           if (uart_irq_rx_ready(dev)) { n = uart_fifo_read(dev, buffer, sizeof(buffer)); … }
- *           if (uart_irq_tx_ready(dev)) { n = uart_fifo_fill(dev, data, length); or uart_irq_tx_disable(dev); }
+ *           if (uart_irq_tx_ready(dev)) { n = uart_fifo_fill(dev, data, length); … }
  *   }
+ *
+ * with uart_irq_tx_disable(dev) when there is nothing left to send.
  *
  * On the native board one uart_fifo_fill() is one datagram of the wire.
  */
@@ -86,12 +88,12 @@ struct uart_driver_api {
 	int (*irq_is_pending)(const struct device *dev);
 	int (*irq_update)(const struct device *dev);
 	void (*irq_callback_set)(const struct device *dev, uart_irq_callback_user_data_t cb,
-				 void *user_data);
+	                         void *user_data);
 };
 
 #define UART_API(dev) ((const struct uart_driver_api *)(dev)->api)
 
-/* 0: *p_char is the next byte. -1: there is none. -EBUSY: the receive interrupt is enabled. Any context. */
+/* 0: *p_char is the next byte. -1: there is none. Any context. */
 static inline int uart_poll_in(const struct device *dev, unsigned char *p_char)
 {
 	return UART_API(dev)->poll_in(dev, p_char);
@@ -194,7 +196,7 @@ static inline int uart_irq_update(const struct device *dev)
 
 /* NULL: none. 0. */
 static inline int uart_irq_callback_user_data_set(const struct device *dev,
-						  uart_irq_callback_user_data_t cb, void *user_data)
+                                                  uart_irq_callback_user_data_t cb, void *user_data)
 {
 	UART_API(dev)->irq_callback_set(dev, cb, user_data);
 	return 0;
