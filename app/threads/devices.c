@@ -14,6 +14,7 @@ const struct devices devices = {
 	.thermistor = DEVICE_DT_GET(DT_ALIAS(thermistor0)),
 	.watchdog = DEVICE_DT_GET(DT_ALIAS(watchdog0)),
 	.probe = DEVICE_DT_GET_OR_NULL(DT_ALIAS(probe0)),
+	.edge_time = DEVICE_DT_GET_OR_NULL(DT_ALIAS(edge_time0)),
 	.uart_links =
 		{
 			DEVICE_DT_GET_OR_NULL(DT_ALIAS(uart_link0)),

@@ -4,6 +4,7 @@
 #include <zephyr/drivers/gpio.h>
 #include <zephyr/kernel.h>
 
+#include <pharos/drivers/edge_time.h>
 #include <pharos/drivers/light.h>
 
 #include "threads/clock.h"
@@ -46,7 +47,7 @@ static void sync_changed(const struct device *port, struct gpio_callback *callba
 	const unsigned int key = irq_lock();
 	const bool level = gpio_pin_get_dt(&devices.sync_input) > 0;
 
-	carry_out(gate_input(&gate, clock_now_us(), level));
+	carry_out(gate_input(&gate, edge_time_us(devices.edge_time, &devices.sync_input), level));
 	irq_unlock(key);
 }
 

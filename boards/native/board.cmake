@@ -98,6 +98,7 @@ add_subdirectory(${NATIVE_DIR}/models)
 add_subdirectory(${NATIVE_DIR}/devices)
 add_subdirectory(drivers)
 add_subdirectory(drivers/uart_host)
+add_subdirectory(drivers/gpio_libgpiod)
 
 add_executable(app)
 set_target_properties(app PROPERTIES

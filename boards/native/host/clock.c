@@ -43,9 +43,14 @@ uint64_t clock_host_ns(void)
 	return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
 }
 
+uint64_t clock_board_of_host_us(uint64_t host_ns)
+{
+	return host_ns > state.origin_ns ? (host_ns - state.origin_ns) / 1000u : 0;
+}
+
 uint64_t clock_board_us(void)
 {
-	return is_virtual ? state.virtual_us : (clock_host_ns() - state.origin_ns) / 1000u;
+	return is_virtual ? state.virtual_us : clock_board_of_host_us(clock_host_ns());
 }
 
 uint64_t clock_boot_us(void)

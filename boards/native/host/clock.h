@@ -23,6 +23,9 @@ void clock_jump(uint64_t us);
 /* Board time at which the process is to end (--until); UINT64_MAX: none. */
 uint64_t clock_until_us(void);
 
+/* Board time of a reading of the host's monotonic clock, real time only. Before power-on: 0. */
+uint64_t clock_board_of_host_us(uint64_t host_ns);
+
 /* The host's monotonic clock. */
 uint64_t clock_host_ns(void);
 

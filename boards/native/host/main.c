@@ -26,11 +26,14 @@ static void open_standard(void)
 int main(int argc, char *argv[])
 {
 	open_standard();
+	int status;
+
 	carry_load(argv);
 	options_parse(argc, argv);
-	if (host_start() != 0) {
+	status = host_start();
+	if (status != 0) {
 		host_stop();
-		return 1;
+		return status;
 	}
 	carry_done();
 	kernel_boot();

@@ -49,8 +49,10 @@ int host_start(void)
 	const struct host_module *const *modules = host_modules(&count);
 
 	for (started = 0; started < count; started++) {
-		if (modules[started]->start != NULL && modules[started]->start() != 0) {
-			return -1;
+		const int status = modules[started]->start != NULL ? modules[started]->start() : 0;
+
+		if (status != 0) {
+			return status > 0 ? status : 1;
 		}
 	}
 	return 0;

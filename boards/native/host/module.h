@@ -31,7 +31,7 @@ struct host_module {
 	const struct control_op *ops;       /* NULL or ended by {0}; host/control.h */
 	const struct control_fault *faults; /* NULL or ended by {0}; host/control.h */
 	/* After the options, before the kernel. Carried data is there (host/carry.h). 0; else it
-	 * has said why. */
+	 * has said why: the process's exit status (2: an option is wrong), or -1. */
 	int (*start)(void);
 	/* The instant of a reset or of the end: outputs fall to their reset state. No blocking. */
 	void (*off)(void);
@@ -52,7 +52,7 @@ struct host_module {
 const struct host_module *const *host_modules(size_t *count);
 
 /* Calls the hook of every module: start in order (the first failure ends it), the others in
- * reverse. */
+ * reverse. host_start: 0, else the exit status. */
 int host_start(void);
 void host_off(void);
 void host_save(void);

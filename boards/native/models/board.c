@@ -57,6 +57,7 @@ static const char *const probe_names[BOARD_PROBE_COUNT] = {
 
 struct board board;
 struct board_listener board_listener;
+void (*board_outside)(void);
 void (*board_lines_interrupt)(uint32_t before, uint32_t after);
 
 void board_init(double ambient_c, uint64_t seed)
@@ -68,8 +69,16 @@ void board_init(double ambient_c, uint64_t seed)
 	ntc_input_init(&board.thermistor, &thermistor_params, seed);
 }
 
+static void outside_changed(void)
+{
+	if (board_outside != NULL) {
+		board_outside();
+	}
+}
+
 static void light_changed(int64_t now_us)
 {
+	outside_changed();
 	thermal_mass_set_heat(&board.housing, now_us,
 	                      ELECTRONICS_W + LAMP_HEAT * lamp_power_w(&board.lamp));
 	if (board_listener.light != NULL) {
@@ -120,6 +129,7 @@ static void lines_changed(int64_t now_us, uint32_t before)
 	if (after == before) {
 		return;
 	}
+	outside_changed();
 	if (lamp_set_enable(&board.lamp, now_us, (after & (1u << BOARD_LINE_LAMP_ENABLE)) != 0)) {
 		light_changed(now_us);
 	}
@@ -183,21 +193,28 @@ void board_advance(int64_t now_us)
 	thermal_mass_advance(&board.housing, now_us);
 }
 
-void board_line_drive(int64_t now_us, uint32_t line, bool level)
+void board_line_drive_late(int64_t now_us, uint32_t line, bool level, int64_t edge_us)
 {
 	const uint32_t before = lines_levels(&board.lines);
 	const uint32_t bit = 1u << line;
 
+	board.edge_us[line] = edge_us;
 	board.lines.driven |= bit;
 	board.lines.driven_level =
 		level ? board.lines.driven_level | bit : board.lines.driven_level & ~bit;
 	lines_changed(now_us, before);
 }
 
+void board_line_drive(int64_t now_us, uint32_t line, bool level)
+{
+	board_line_drive_late(now_us, line, level, now_us);
+}
+
 void board_line_release(int64_t now_us, uint32_t line)
 {
 	const uint32_t before = lines_levels(&board.lines);
 
+	board.edge_us[line] = now_us;
 	board.lines.driven &= ~(1u << line);
 	lines_changed(now_us, before);
 }

@@ -56,6 +56,7 @@ struct board {
 	struct thermal_mass housing;
 	struct ntc_input thermistor;
 	struct lines lines;
+	int64_t edge_us[BOARD_LINE_COUNT]; /* when the world last drove the line */
 	struct board_pwm pwm[BOARD_PWM_COUNT];
 	int64_t probes[BOARD_PROBE_COUNT];
 };
@@ -71,6 +72,12 @@ struct board_listener {
 };
 
 extern struct board_listener board_listener;
+
+/*
+ * Told of every change of a line or of the light, before all others: carries the outputs to where
+ * the board is real. NULL: nobody does.
+ */
+extern void (*board_outside)(void);
 
 /* The MCU's interrupt controller: line levels have changed. Set by the GPIO device. */
 extern void (*board_lines_interrupt)(uint32_t before, uint32_t after);
@@ -102,6 +109,9 @@ void board_advance(int64_t now_us);
 
 /* Drives a line from outside. */
 void board_line_drive(int64_t now_us, uint32_t line, bool level);
+
+/* The same, of an edge that happened at edge_us and is told now. */
+void board_line_drive_late(int64_t now_us, uint32_t line, bool level, int64_t edge_us);
 
 /* Lets go of it. */
 void board_line_release(int64_t now_us, uint32_t line);
