@@ -139,7 +139,10 @@ static bool period_of(float wire, const struct illuminator_config *config,
 	return true;
 }
 
-/* 406: mode, brightness, period, duty. param5, soon an illuminator's id, is tolerated. */
+/*
+ * 406: mode, brightness, period, duty. param5, soon an illuminator's id, is tolerated. The core
+ * knows which modes there are.
+ */
 static uint8_t configure(const struct mavlink_context *context,
                          const struct mavlink_command *command, struct mavlink_reply *reply)
 {
@@ -150,8 +153,7 @@ static uint8_t configure(const struct mavlink_context *context,
 	struct mavlink_echo duty;
 
 	(void)reply;
-	if (!mavlink_whole(command->param[0], ILLUMINATOR_MODE_SYNC, &event.configure.mode) ||
-	    event.configure.mode < ILLUMINATOR_MODE_INTERNAL ||
+	if (!mavlink_whole(command->param[0], UINT8_MAX, &event.configure.mode) ||
 	    !percent_of(command->param[1], &brightness) ||
 	    !period_of(command->param[2], &self->illuminator->config, &period) ||
 	    !duty_of(command->param[3], &duty)) {

@@ -81,7 +81,7 @@ ZTEST(mavlink_framer, test_versions_and_signed_frames_pass_whole)
 
 ZTEST(mavlink_framer, test_every_chunk_size_gives_the_same)
 {
-	uint8_t stream[20 * (sizeof(COMMAND_ON_V2) + sizeof(COMMAND_ON_V1))];
+	static uint8_t stream[20 * (sizeof(COMMAND_ON_V2) + sizeof(COMMAND_ON_V1))];
 	size_t used = 0;
 
 	for (int i = 0; i < 20; i++) {
@@ -99,7 +99,7 @@ ZTEST(mavlink_framer, test_every_chunk_size_gives_the_same)
 
 ZTEST(mavlink_framer, test_ten_wrong_length_bytes_in_a_hundred_cost_ten_frames)
 {
-	uint8_t stream[100 * sizeof(COMMAND_ON_V2)];
+	static uint8_t stream[100 * sizeof(COMMAND_ON_V2)];
 
 	/* Each wrong length claims more or fewer bytes than there are: reference, "Traps". */
 	for (int wrong = 0; wrong < 256; wrong++) {
@@ -126,7 +126,7 @@ ZTEST(mavlink_framer, test_ten_wrong_length_bytes_in_a_hundred_cost_ten_frames)
 
 ZTEST(mavlink_framer, test_noise_between_frames_costs_no_frame)
 {
-	uint8_t stream[50 * (sizeof(COMMAND_ON_V2) + 40)];
+	static uint8_t stream[50 * (sizeof(COMMAND_ON_V2) + 40)];
 	uint32_t state = 2463534242u;
 
 	for (int round = 0; round < 200; round++) {
@@ -155,7 +155,7 @@ ZTEST(mavlink_framer, test_noise_between_frames_costs_no_frame)
 
 ZTEST(mavlink_framer, test_random_cuts_cost_only_the_frames_they_hit)
 {
-	uint8_t stream[60 * sizeof(COMMAND_ON_V2)];
+	static uint8_t stream[60 * sizeof(COMMAND_ON_V2)];
 	uint32_t state = 88172645u;
 
 	for (int round = 0; round < 200; round++) {
@@ -189,7 +189,7 @@ ZTEST(mavlink_framer, test_random_cuts_cost_only_the_frames_they_hit)
 
 ZTEST(mavlink_framer, test_one_flipped_bit_costs_one_frame)
 {
-	uint8_t stream[3 * sizeof(COMMAND_ON_V2)];
+	static uint8_t stream[3 * sizeof(COMMAND_ON_V2)];
 
 	for (size_t bit = 0; bit < sizeof(COMMAND_ON_V2) * 8; bit++) {
 		for (int i = 0; i < 3; i++) {
@@ -207,7 +207,7 @@ ZTEST(mavlink_framer, test_unknown_id_does_not_swallow_the_next_frame)
 {
 	/* Id 0xFFFFFF is in no dialect; the header claims 200 bytes. */
 	const uint8_t unknown[] = {0xFD, 200, 0, 0, 1, 2, 3, 0xFF, 0xFF, 0xFF};
-	uint8_t stream[sizeof(unknown) + sizeof(COMMAND_ON_V2)];
+	static uint8_t stream[sizeof(unknown) + sizeof(COMMAND_ON_V2)];
 
 	memcpy(stream, unknown, sizeof(unknown));
 	memcpy(stream + sizeof(unknown), COMMAND_ON_V2, sizeof(COMMAND_ON_V2));
@@ -219,12 +219,24 @@ ZTEST(mavlink_framer, test_unknown_id_does_not_swallow_the_next_frame)
 
 ZTEST(mavlink_framer, test_unknown_incompatibility_flag_is_no_frame)
 {
+	const uint8_t extra = 152; /* COMMAND_LONG, mavlink.io */
 	uint8_t bytes[sizeof(COMMAND_ON_V2)];
+	const size_t body = sizeof(bytes) - 2;
 
-	memcpy(bytes, COMMAND_ON_V2, sizeof(bytes));
-	bytes[2] = 0x02;
-	zassert_equal(feed(bytes, sizeof(bytes), sizeof(bytes)), 0);
-	zassert_equal(framer.stats.skipped_bytes, sizeof(bytes));
+	for (uint8_t flag = 0; flag <= 2; flag += 2) {
+		memcpy(bytes, COMMAND_ON_V2, sizeof(bytes));
+		bytes[2] = flag;
+
+		/* A good checksum: the flag alone decides. */
+		const uint16_t crc =
+			mavlink_checksum(&extra, 1, mavlink_checksum(bytes + 1, body - 1, 0xFFFF));
+
+		bytes[body] = (uint8_t)crc;
+		bytes[body + 1] = (uint8_t)(crc >> 8);
+		mavlink_framer_init(&framer);
+		zassert_equal(feed(bytes, sizeof(bytes), sizeof(bytes)), flag == 0 ? 1 : 0);
+		zassert_equal(framer.stats.skipped_bytes, flag == 0 ? 0 : sizeof(bytes));
+	}
 }
 
 ZTEST(mavlink_framer, test_idle_line_gives_up_a_length_that_never_comes)

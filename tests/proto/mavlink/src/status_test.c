@@ -143,6 +143,10 @@ ZTEST(mavlink_status, test_texts_come_in_a_burst_then_one_in_two_seconds)
 	run_until(2 * SECOND);
 	zassert_true(mavlink_endpoint_text(&endpoint, now_us, 6, "one more"));
 	zassert_false(mavlink_endpoint_text(&endpoint, now_us, 6, "not two"));
+	run_until(5 * SECOND); /* one and a half periods on: the half is not lost */
+	zassert_true(mavlink_endpoint_text(&endpoint, now_us, 6, "one more"));
+	run_until(6 * SECOND);
+	zassert_true(mavlink_endpoint_text(&endpoint, now_us, 6, "one more"));
 }
 
 ZTEST(mavlink_status, test_long_text_is_cut_at_fifty_bytes)

@@ -1,0 +1,235 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Fuzzes the MAVLink framer and endpoint with a core behind them, over a small script:
+ *
+ *   op 0…3   bytes follow (count first): they arrive on that link as they are
+ *   op 4…7   a message follows: id and payload; it arrives on link op - 4 as a good frame
+ *   op 8     time moves, the endpoint steps until it is content
+ *   op 9     the thermal supervisor reports
+ *   op 10    the line falls silent
+ *
+ * Holds after each: what is sent are whole, good frames of ours; settings are in range; a command
+ * that was not accepted changed nothing.
+ */
+#include "core/arbiter.h"
+#include "proto/mavlink/dialect.h"
+#include "proto/mavlink/framer.h"
+#include "proto/mavlink/illuminator_service.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+#define CHECK(condition)                                                                           \
+	do {                                                                                       \
+		if (!(condition)) {                                                                \
+			fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);            \
+			abort();                                                                   \
+		}                                                                                  \
+	} while (0)
+
+void pharos_assert_failed(const char *file, int line)
+{
+	fprintf(stderr, "assertion failed: %s:%d\n", file, line);
+	abort();
+}
+
+struct script {
+	const uint8_t *at;
+	const uint8_t *end;
+};
+
+static struct illuminator light;
+static struct arbiter arbiter;
+static struct mavlink_illuminator service;
+static struct mavlink_endpoint endpoint;
+static struct mavlink_outbox out;
+static struct mavlink_framer framers[MAVLINK_LINKS_MAX];
+static int64_t now_us;
+
+static const struct mavlink_identity identity = {
+	.vendor_name = "a",
+	.model_name = "b",
+	.software_version = "c",
+	.hardware_version = "d",
+	.serial_number = "e",
+};
+
+static void start(void)
+{
+	const struct illuminator_config light_config = {
+		.min_period_us = 10000, .max_period_us = 10000000, .curve = 0};
+	const struct arbiter_config arbiter_config = {.loss_us = 0};
+	const struct mavlink_endpoint_config config = {.system_id = 1, .links = 0x0F};
+
+	now_us = 0;
+	illuminator_init(&light, &light_config);
+	arbiter_init(&arbiter, &arbiter_config);
+	mavlink_illuminator_init(&service, &light, &arbiter, &identity);
+	mavlink_endpoint_init(&endpoint, &config);
+	mavlink_endpoint_add(&endpoint, 0, 243, &mavlink_illuminator_profile, &service);
+	for (size_t i = 0; i < MAVLINK_LINKS_MAX; i++) {
+		mavlink_framer_init(&framers[i]);
+	}
+}
+
+static uint8_t take(struct script *script)
+{
+	return script->at < script->end ? *script->at++ : 0;
+}
+
+static void check_light(void)
+{
+	const struct illuminator_settings *const s = &light.settings;
+
+	CHECK(s->mode == ILLUMINATOR_MODE_INTERNAL || s->mode == ILLUMINATOR_MODE_SYNC);
+	CHECK(s->brightness_ppm <= PPM_ONE && s->duty_ppm <= PPM_ONE);
+	CHECK(s->strobe_period_us == 0 ||
+	      (s->strobe_period_us >= 10000 && s->strobe_period_us <= 10000000));
+}
+
+/* Every frame sent passes a fresh framer; returns how many were acknowledgements of result. */
+static unsigned int check_sent(uint8_t result)
+{
+	unsigned int found = 0;
+
+	for (uint16_t i = 0; i < out.count; i++) {
+		struct mavlink_framer framer;
+		struct mavlink_frame frame;
+
+		mavlink_framer_init(&framer);
+		CHECK(out.frames[i].link < MAVLINK_LINKS_MAX);
+		mavlink_framer_write(&framer, out.bytes + out.frames[i].offset,
+		                     out.frames[i].length);
+		CHECK(mavlink_framer_next(&framer, &frame));
+		CHECK(frame.length == out.frames[i].length);
+		CHECK(frame.system_id == 1 && frame.component_id == 243);
+		if (frame.message_id == MAVLINK_MSG_ID_COMMAND_ACK) {
+			found += mavlink_frame_byte(&frame, 2) == result;
+		}
+	}
+	return found;
+}
+
+static void arrive(uint8_t link, const uint8_t *bytes, size_t length)
+{
+	const uint32_t revision = light.revision;
+
+	mavlink_endpoint_receive(&endpoint, now_us, link, bytes, length, &out);
+	CHECK(out.count <= 1 + MAVLINK_LINKS_MAX);
+	if (check_sent(MAV_RESULT_ACCEPTED) == 0) {
+		CHECK(light.revision == revision);
+	}
+	check_light();
+}
+
+static void raw(struct script *script, uint8_t link)
+{
+	size_t count = take(script);
+	struct mavlink_frame frame;
+
+	while (count > 0 && script->at < script->end) {
+		size_t offered = (size_t)(script->end - script->at);
+
+		offered = offered < count ? offered : count;
+
+		const size_t taken = mavlink_framer_write(&framers[link], script->at, offered);
+
+		CHECK(taken > 0);
+		script->at += taken;
+		count -= taken;
+		while (mavlink_framer_next(&framers[link], &frame)) {
+			arrive(link, frame.bytes, frame.length);
+		}
+	}
+}
+
+static void message(struct script *script, uint8_t link)
+{
+	static const uint16_t ids[] = {76, 75, 0, 4, 111, 440, 300, 77};
+	const uint8_t choice = take(script);
+	const struct mavlink_sender sender = {
+		.version = choice & 0x80 ? 1 : 2,
+		.system_id = choice & 0x40 ? 1 : 255,
+		.component_id = choice & 0x20 ? 243 : 190,
+	};
+	struct mavlink_kind kind = {.id = ids[choice & 7]};
+	uint8_t payload[MAVLINK_PAYLOAD_MAX] = {0};
+	uint8_t bytes[MAVLINK_FRAME_MAX];
+
+	kind.length = take(script);
+	kind.length = kind.length == 0 ? 1 : kind.length;
+	kind.min_length = kind.length;
+	CHECK(mavlink_crc_extra(kind.id, &kind.crc_extra));
+	for (size_t i = 0; i < kind.length; i++) {
+		payload[i] = take(script);
+	}
+
+	const size_t length = mavlink_frame_build(bytes, &sender, &kind, payload);
+
+	if (length > 0) {
+		arrive(link, bytes, length);
+	}
+}
+
+static void time_moves(struct script *script)
+{
+	int steps = 0;
+
+	now_us += (int64_t)take(script) * 100000 + take(script);
+	while (mavlink_endpoint_deadline_us(&endpoint) <= now_us) {
+		mavlink_endpoint_step(&endpoint, now_us, &out);
+		check_sent(0);
+		CHECK(out.count > 0 || mavlink_endpoint_deadline_us(&endpoint) > now_us);
+		CHECK(++steps < 100);
+	}
+}
+
+static void heat(struct script *script)
+{
+	const uint8_t choice = take(script);
+	struct illuminator_outbox actions;
+	const struct illuminator_event event = {
+		.kind = ILLUMINATOR_EVENT_THERMAL,
+		.thermal = {.state = (enum thermal_state)(choice % 3),
+	                    .sensor = choice & 0x40 ? THERMAL_SENSOR_FAILED : THERMAL_SENSOR_OK,
+	                    .fault = choice & 0x40 ? THERMAL_FAULT_STUCK : THERMAL_FAULT_NONE,
+	                    .flags = choice % 3,
+	                    .temp_mdegc = choice * 1000,
+	                    .temp_valid = (choice & 0x40) == 0},
+	};
+
+	illuminator_step(&light, now_us, &event, &actions);
+	mavlink_endpoint_observe(&endpoint, now_us, &actions);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+	struct script script = {data, data + size};
+
+	start();
+	while (script.at < script.end) {
+		const uint8_t op = take(&script) % 11;
+
+		if (op < 4) {
+			raw(&script, op);
+		} else if (op < 8) {
+			message(&script, (uint8_t)(op - 4));
+		} else if (op == 8) {
+			time_moves(&script);
+		} else if (op == 9) {
+			heat(&script);
+		} else {
+			struct mavlink_frame frame;
+
+			for (uint8_t link = 0; link < MAVLINK_LINKS_MAX; link++) {
+				while (mavlink_framer_idle(&framers[link], &frame)) {
+					arrive(link, frame.bytes, frame.length);
+				}
+			}
+		}
+	}
+	return 0;
+}
