@@ -124,6 +124,7 @@ def comment_of(row: tuple[Any, ...]) -> str:
 
 def text_of(dialect: Any) -> str:
     lines = [
+        "/* SPDX-License-Identifier: Apache-2.0 */",
         "/* Made by make_mavlink.py: frames that pymavlink packs. */",
         "/* clang-format off */",
         "#ifndef PHAROS_TESTS_VECTORS_MAVLINK_FRAMES_H",

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Made by make_mavlink.py: frames that pymavlink packs. */
 /* clang-format off */
 #ifndef PHAROS_TESTS_VECTORS_MAVLINK_FRAMES_H

@@ -17,7 +17,8 @@ DIALECT = ROOT / "app/proto/mavlink/dialect/pharos.xml"
 def load() -> ModuleType:
     path = ROOT / "app/proto/mavlink/generate.py"
     spec = importlib.util.spec_from_file_location("generate_mavlink", path)
-    assert spec is not None and spec.loader is not None
+    assert spec is not None
+    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
