@@ -4,6 +4,7 @@
 # make test    set up, and run every test (tests/run.py; STAGES="unit system" picks some)
 # make build   build/native/pharos
 # make bench   the figures of README, from one run
+# make picture docs/heat.svg, from a simulated hour
 # make lint    clang-format, ruff, mypy, shellcheck
 # make fuzz    every libFuzzer harness for FUZZ_RUNS executions each
 # make format  lay out C and Python sources
@@ -15,7 +16,7 @@ STAGES ?=
 FUZZ_RUNS ?= 10000000
 PYTHON = .venv/bin/python
 
-.PHONY: run test build bench lint fuzz format clean setup
+.PHONY: run test build bench picture lint fuzz format clean setup
 
 build: setup
 	@test -f build/$(PRESET)/build.ninja || cmake --preset $(PRESET) --log-level=NOTICE
@@ -34,6 +35,9 @@ test:
 bench: build
 	@$(PYTHON) tests/bench/run.py
 
+picture: build
+	@$(PYTHON) docs/heat.py
+
 lint:
 	@boards/native/setup.sh test
 	@$(PYTHON) tests/run.py lint
@@ -44,7 +48,7 @@ fuzz:
 
 format:
 	@git ls-files '*.c' '*.h' | xargs clang-format -i
-	@$(PYTHON) -m ruff format host tests boards app
+	@$(PYTHON) -m ruff format host tests boards app docs
 
 clean:
 	rm -rf build

@@ -112,7 +112,7 @@ def lint(_: argparse.Namespace) -> Outcome:
         ["git", "ls-files", "*.c", "*.h"], cwd=ROOT, capture_output=True, text=True, check=True
     ).stdout.split()
     scripts = ["make", ".ci/run", "boards/native/setup.sh"]
-    python = ["host", "tests", "boards", "app"]
+    python = ["host", "tests", "boards", "app", "docs"]
     return (
         check("clang-format", "--dry-run", "-Werror", *tracked)
         + check(VENV / "ruff", "check", *python)

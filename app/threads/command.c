@@ -108,6 +108,9 @@ static void perform_core(const struct illuminator_outbox *actions)
 static void perform(void)
 {
 	perform_core(&out.core);
+	if (out.command != 0) {
+		probe_set(devices.probe, PROBE_COMMAND, out.command);
+	}
 	for (uint16_t i = 0; i < out.count; i++) {
 		const struct mavlink_outbox_frame *const frame = &out.frames[i];
 

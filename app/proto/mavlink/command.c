@@ -163,6 +163,7 @@ static void carry_out(const struct mavlink_context *context, const struct mavlin
 
 	reply.row = NULL;
 	context->endpoint->links[context->link].stats.rx_commands++;
+	context->out->command = command->id;
 	acknowledge(context, command->id, run(context, command, &reply));
 	if (reply.row == NULL) {
 		return;

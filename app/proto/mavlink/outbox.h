@@ -20,6 +20,7 @@ struct mavlink_outbox_frame {
 
 struct mavlink_outbox {
 	struct illuminator_outbox core;
+	uint16_t command; /* that was carried out and acknowledged; 0: none */
 	uint16_t count;
 	uint16_t used;
 	struct mavlink_outbox_frame frames[MAVLINK_OUTBOX_FRAMES];
@@ -29,6 +30,7 @@ struct mavlink_outbox {
 static inline void mavlink_outbox_clear(struct mavlink_outbox *self)
 {
 	self->core.count = 0;
+	self->command = 0;
 	self->count = 0;
 	self->used = 0;
 }

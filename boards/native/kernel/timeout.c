@@ -67,7 +67,8 @@ uint64_t timeout_next_us(void)
 {
 	const struct _timeout *first = first_timeout();
 
-	if (first == NULL || first->tick > UINT64_MAX / USEC_PER_SEC) {
+	if (first == NULL ||
+	    first->tick / CONFIG_SYS_CLOCK_TICKS_PER_SEC >= UINT64_MAX / USEC_PER_SEC) {
 		return UINT64_MAX;
 	}
 	return native_time_convert(first->tick, CONFIG_SYS_CLOCK_TICKS_PER_SEC, USEC_PER_SEC,

@@ -68,6 +68,17 @@ ZTEST(kernel_time, test_absolute_sleep)
 	zassert_equal(k_uptime_ticks(), at + 1, "a date in the past is the next tick");
 }
 
+#ifdef CONFIG_BOARD_NATIVE
+/* Ten years: further than 2^64 / 10^12 s, where a product of µs and µs per second would overflow. */
+ZTEST(kernel_time, test_sleep_of_ten_years)
+{
+	const int64_t before = k_uptime_get();
+
+	k_sleep(K_HOURS(10 * 365 * 24));
+	zassert_within(k_uptime_get() - before, INT64_C(315360000000), 1);
+}
+#endif
+
 ZTEST(kernel_time, test_timer_status)
 {
 	k_timer_start(&timer, K_TICKS(10), K_TICKS(10));
