@@ -99,6 +99,9 @@ add_subdirectory(${NATIVE_DIR}/devices)
 add_subdirectory(drivers)
 add_subdirectory(drivers/uart_host)
 add_subdirectory(drivers/gpio_libgpiod)
+add_subdirectory(drivers/can_host)
+add_subdirectory(drivers/can_udp)
+add_subdirectory(drivers/can_socketcan)
 
 add_executable(app)
 set_target_properties(app PROPERTIES

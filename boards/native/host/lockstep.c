@@ -33,12 +33,42 @@ static struct {
 	uint32_t await_ms;
 	uint32_t await_count;
 	struct await {
-		char wire[NAME_MAX_LENGTH];
-		uint64_t bytes;
+		char name[NAME_MAX_LENGTH];
+		uint64_t total; /* bytes of a wire, frames of a bus */
 	} await[WIRES_MAX];
 } state;
 
+static struct lockstep_source *sources;
+
 static uint32_t jumps;
+
+void lockstep_add(struct lockstep_source *source)
+{
+	source->next = sources;
+	sources = source;
+}
+
+static const struct lockstep_source *source_find(const char *name)
+{
+	const struct lockstep_source *source = sources;
+
+	while (source != NULL && strcmp(source->name, name) != 0) {
+		source = source->next;
+	}
+	return source;
+}
+
+static uint64_t received(const char *name)
+{
+	const struct wire *wire = wire_find(name);
+
+	return wire != NULL ? wire->kept.counts.rx_bytes : source_find(name)->received();
+}
+
+static const char *unit(const char *name)
+{
+	return wire_find(name) != NULL ? "bytes" : "frames";
+}
 
 bool lockstep_enabled(void)
 {
@@ -60,7 +90,7 @@ static bool parse_await(struct control_call *call)
 {
 	json_t *await = json_object_get(call->request, "await");
 	const char *name;
-	json_t *bytes;
+	json_t *total;
 
 	state.await_count = 0;
 	if (await == NULL) {
@@ -70,20 +100,21 @@ static bool parse_await(struct control_call *call)
 		host_error_set(call->error, "\"await\" must be an object, such as {\"uart0\":20}");
 		return false;
 	}
-	json_object_foreach(await, name, bytes)
+	json_object_foreach(await, name, total)
 	{
-		if (wire_find(name) == NULL || strlen(name) >= NAME_MAX_LENGTH) {
+		if ((wire_find(name) == NULL && source_find(name) == NULL) ||
+		    strlen(name) >= NAME_MAX_LENGTH) {
 			host_error_set(call->error, "await: no wire \"%.40s\"", name);
 			return false;
 		}
-		if (!json_is_integer(bytes) || json_integer_value(bytes) < 0 ||
+		if (!json_is_integer(total) || json_integer_value(total) < 0 ||
 		    state.await_count == WIRES_MAX) {
-			host_error_set(call->error, "await: %s must be a total of received bytes",
-			               name);
+			host_error_set(call->error, "await: %s must be a total of received %s",
+			               name, unit(name));
 			return false;
 		}
-		strcpy(state.await[state.await_count].wire, name);
-		state.await[state.await_count].bytes = (uint64_t)json_integer_value(bytes);
+		strcpy(state.await[state.await_count].name, name);
+		state.await[state.await_count].total = (uint64_t)json_integer_value(total);
 		state.await_count++;
 	}
 	return true;
@@ -113,6 +144,7 @@ static void reply(void)
 {
 	json_t *body = json_object();
 	json_t *wires = json_object();
+	json_t *buses = json_object();
 	const struct wire *wire;
 
 	control_put_integer(body, "now_us", (int64_t)clock_board_us());
@@ -128,20 +160,22 @@ static void reply(void)
 		control_put_integer(entry, "tx_datagrams", (int64_t)wire->kept.counts.tx_datagrams);
 		json_object_set_new(wires, wire->name, entry);
 	}
+	for (const struct lockstep_source *at = sources; at != NULL; at = at->next) {
+		at->report(buses);
+	}
 	json_object_set_new(body, "wires", wires);
+	json_object_set_new(body, "buses", buses);
 	control_reply(body, NULL);
 }
 
 /* --- its steps -----------------------------------------------------------------------------------
  */
 
-/* The first wire that still lacks bytes; NULL: all are here. */
+/* The first that still lacks input; NULL: all is here. */
 static const struct await *find_missing(void)
 {
 	for (uint32_t i = 0; i < state.await_count; i++) {
-		const struct wire *wire = wire_find(state.await[i].wire);
-
-		if (wire->kept.counts.rx_bytes < state.await[i].bytes) {
+		if (received(state.await[i].name) < state.await[i].total) {
 			return &state.await[i];
 		}
 	}
@@ -153,11 +187,22 @@ static void fail_missing(const struct await *missing)
 	char text[160];
 
 	snprintf(text, sizeof(text),
-	         "await: %s has received %" PRIu64 " of %" PRIu64 " bytes after %" PRIu32 " ms",
-	         missing->wire, wire_find(missing->wire)->kept.counts.rx_bytes, missing->bytes,
+	         "await: %s has received %" PRIu64 " of %" PRIu64 " %s after %" PRIu32 " ms",
+	         missing->name, received(missing->name), missing->total, unit(missing->name),
 	         state.await_ms);
 	state.active = false;
 	control_reply(NULL, text);
+}
+
+/* How much of it may go to the device. */
+static uint64_t limit_of(const char *name)
+{
+	for (uint32_t i = 0; i < state.await_count; i++) {
+		if (strcmp(state.await[i].name, name) == 0) {
+			return state.await[i].total;
+		}
+	}
+	return UINT64_MAX;
 }
 
 static void release_all(void)
@@ -165,14 +210,10 @@ static void release_all(void)
 	struct wire *wire;
 
 	for (size_t i = 0; (wire = wire_at(i)) != NULL; i++) {
-		uint64_t total = UINT64_MAX;
-
-		for (uint32_t k = 0; k < state.await_count; k++) {
-			if (strcmp(state.await[k].wire, wire->name) == 0) {
-				total = state.await[k].bytes;
-			}
-		}
-		wire_release(wire, total);
+		wire_release(wire, limit_of(wire->name));
+	}
+	for (const struct lockstep_source *at = sources; at != NULL; at = at->next) {
+		at->release(limit_of(at->name));
 	}
 }
 
@@ -184,6 +225,9 @@ static void gather(void)
 	if (state.gather_until_ns == 0) {
 		state.gather_until_ns = clock_host_ns() + state.await_ms * 1000000ull;
 		wires_poke();
+		for (const struct lockstep_source *at = sources; at != NULL; at = at->next) {
+			at->poke();
+		}
 		for (int i = 0; i < LOOKS_MAX && loop_poll(0) > 0; i++) {
 		}
 	}

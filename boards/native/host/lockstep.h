@@ -10,6 +10,28 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+struct json_t;
+
+/*
+ * What gives input to the device besides the wires, such as a CAN bus: an advance waits for it,
+ * lets it in, and reports it.
+ */
+struct lockstep_source {
+	const char *name;
+	/* Total of received frames: what `await` names. */
+	uint64_t (*received)(void);
+	/* Looks now at what the loop is not told about. */
+	void (*poke)(void);
+	/* Gives the device what was received, up to that total. */
+	void (*release)(uint64_t total);
+	/* Adds an entry by its name. */
+	void (*report)(struct json_t *buses);
+	struct lockstep_source *next; /* lock-step's own */
+};
+
+/* In start hooks. */
+void lockstep_add(struct lockstep_source *source);
+
 bool lockstep_enabled(void);
 
 /* The client of the advance under way has gone: time stops where it is. */
