@@ -17,6 +17,9 @@ uint64_t clock_board_us(void);
 /* Board time at the start of this boot: the difference to the kernel's uptime. */
 uint64_t clock_boot_us(void);
 
+/* Real time: the kernel's next reading of its clock is a new one. */
+void clock_stale(void);
+
 /* Virtual only: board time becomes us; never backwards. */
 void clock_jump(uint64_t us);
 

@@ -74,7 +74,9 @@ void port_idle(uint64_t deadline_us)
 		port_exit(0);
 	}
 	if (!clock_is_virtual()) {
+		clock_stale();
 		idle_real(board_us);
+		clock_stale();
 	} else if (board_us > clock_board_us()) {
 		if (control_enabled()) {
 			lockstep_idle(board_us);
