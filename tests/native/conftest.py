@@ -1,43 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fixtures: the echo_app executable, and how to start it."""
+"""See native_harness.py."""
 
-from __future__ import annotations
+from native_harness import binary, pytest_addoption, start
 
-from collections.abc import Iterator
-from pathlib import Path
-
-import pytest
-
-from echo_light import Light, Start
-
-DEFAULT_BINARY = Path(__file__).parents[2] / "build/native/tests/native/echo_app"
-
-
-def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--binary", help="the echo_app executable; default: that of build/native")
-
-
-@pytest.fixture
-def binary(request: pytest.FixtureRequest) -> Path:
-    given = request.config.getoption("--binary", None)
-    return Path(given).resolve() if given else DEFAULT_BINARY
-
-
-@pytest.fixture
-def start(binary: Path, tmp_path: Path) -> Iterator[Start]:
-    lights: list[Light] = []
-
-    def start_one(*options: str, virtual: bool = True) -> Light:
-        folder = tmp_path / str(len(lights))
-        folder.mkdir()
-        options = tuple(option.replace("{folder}", str(folder)) for option in options)
-        lights.append(Light(binary, folder, *options, virtual=virtual))
-        return lights[-1]
-
-    yield start_one
-    for light in lights:
-        light.close()
-        # A sanitizer's report must not go unnoticed.
-        text = light.stderr.read_text()
-        assert "ERROR: " not in text, text
-        assert "runtime error" not in text, text
+__all__ = ["binary", "pytest_addoption", "start"]
