@@ -9,6 +9,7 @@
 
 #include "threads/command.h"
 #include "threads/devices.h"
+#include "threads/inputs.h"
 #include "threads/reset_cause.h"
 #include "threads/storage.h"
 #include "threads/supervisor.h"
@@ -87,5 +88,6 @@ int main(void)
 	for (size_t i = 0; i < ARRAY_SIZE(threads); i++) {
 		start(&threads[i]);
 	}
+	inputs_init();
 	return 0;
 }

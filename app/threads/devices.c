@@ -23,6 +23,8 @@ const struct devices devices = {
 			DEVICE_DT_GET_OR_NULL(DT_ALIAS(uart_link3)),
 		},
 	.sync_input = GPIO_DT_SPEC_GET_OR(DT_ALIAS(sync_input), gpios, {0}),
+	.button = GPIO_DT_SPEC_GET_OR(DT_ALIAS(button0), gpios, {0}),
+	.driver_fault = GPIO_DT_SPEC_GET_OR(DT_ALIAS(driver_fault), gpios, {0}),
 };
 
 static int device_check(const struct device *device)

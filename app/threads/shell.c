@@ -19,6 +19,7 @@
 #include "threads/command.h"
 #include "threads/devices.h"
 #include "threads/fixed.h"
+#include "threads/inputs.h"
 #include "threads/link.h"
 #include "threads/reset_cause.h"
 #include "threads/strobe.h"
@@ -180,6 +181,7 @@ static void print_fixed(const struct shell *sh, const char *label, int64_t value
 
 static int cmd_light_status(const struct shell *sh, size_t argc, char **argv)
 {
+	const struct inputs_status inputs = inputs_get();
 	struct illuminator now;
 	struct light_state light;
 
@@ -200,6 +202,10 @@ static int cmd_light_status(const struct shell *sh, size_t argc, char **argv)
 	print_fixed(sh, "limit", light.limit_ppm, PPM_PER_PERCENT_DECIMALS, "% of full power");
 	print_fixed(sh, "output now", light.output_ppm, PPM_PER_PERCENT_DECIMALS,
 	            "% of full power");
+	if (inputs.has_driver_fault) {
+		shell_print(sh, "%-14s%s, %u faults", "driver",
+		            inputs.driver_fault ? "FAULT" : "ok", inputs.driver_faults);
+	}
 	return 0;
 }
 

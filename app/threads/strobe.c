@@ -47,7 +47,9 @@ static void sync_changed(const struct device *port, struct gpio_callback *callba
 	const unsigned int key = irq_lock();
 	const bool level = gpio_pin_get_dt(&devices.sync_input) > 0;
 
-	carry_out(gate_input(&gate, edge_time_us(devices.edge_time, &devices.sync_input), level));
+	(void)gate_input(&gate, edge_time_us(devices.edge_time, &devices.sync_input), level);
+	/* an edge may be told late: what it gives by now counts */
+	carry_out(gate_advance(&gate, clock_now_us()));
 	irq_unlock(key);
 }
 

@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "threads/inputs.h"
+
+#include <zephyr/drivers/gpio.h>
+#include <zephyr/kernel.h>
+#include <zephyr/logging/log.h>
+
+#include "threads/command.h"
+#include "threads/devices.h"
+
+LOG_MODULE_REGISTER(inputs);
+
+struct input {
+	const struct gpio_dt_spec *spec;
+	const char *name;
+	void (*changed)(bool active);
+	struct gpio_callback callback;
+	struct k_work_delayable settled;
+	bool active;
+};
+
+static struct inputs_status status;
+
+static void fault_changed(bool active)
+{
+	const unsigned int key = irq_lock();
+
+	status.driver_fault = active;
+	status.driver_faults += active ? 1 : 0;
+	irq_unlock(key);
+	if (active) {
+		LOG_ERR("the lamp's driver reports a fault");
+	} else {
+		LOG_INF("the lamp's driver is well again");
+	}
+}
+
+/* In the command thread. */
+static int toggle(struct command *command, void *argument)
+{
+	const struct illuminator_event event = {
+		.kind = ILLUMINATOR_EVENT_ON_OFF,
+		.on_off = !command->illuminator.settings.enable,
+	};
+	enum illuminator_result result = ILLUMINATOR_DENIED;
+	const enum arbiter_verdict verdict =
+		command_apply(command, ARBITER_SOURCE_SHELL, &event, &result);
+
+	return verdict == ARBITER_GRANTED && result == ILLUMINATOR_ACCEPTED ? 0 : -EACCES;
+}
+
+static void button_changed(bool active)
+{
+	if (!active) {
+		return;
+	}
+	status.presses++;
+	if (command_call(toggle, NULL) != 0) {
+		LOG_WRN("the button was refused");
+	}
+}
+
+static struct input inputs[] = {
+	{.spec = &devices.driver_fault, .name = "driver fault", .changed = fault_changed},
+	{.spec = &devices.button, .name = "button", .changed = button_changed},
+};
+
+static void settle(struct k_work *work)
+{
+	struct input *input = CONTAINER_OF(k_work_delayable_from_work(work), struct input, settled);
+	const int level = gpio_pin_get_dt(input->spec);
+
+	if (level >= 0 && input->active != (level > 0)) {
+		input->active = level > 0;
+		input->changed(input->active);
+	}
+}
+
+static void edge(const struct device *port, struct gpio_callback *callback, gpio_port_pins_t pins)
+{
+	struct input *input = CONTAINER_OF(callback, struct input, callback);
+
+	k_work_reschedule(&input->settled, K_MSEC(INPUTS_SETTLE_MS));
+}
+
+static int start(struct input *input)
+{
+	int error = gpio_pin_configure_dt(input->spec, GPIO_INPUT);
+
+	k_work_init_delayable(&input->settled, settle);
+	if (error == 0) {
+		gpio_init_callback(&input->callback, edge, BIT(input->spec->pin));
+		error = gpio_add_callback(input->spec->port, &input->callback);
+	}
+	if (error == 0) {
+		error = gpio_pin_interrupt_configure_dt(input->spec, GPIO_INT_EDGE_BOTH);
+	}
+	if (error == 0) {
+		k_work_reschedule(&input->settled, K_MSEC(INPUTS_SETTLE_MS));
+	}
+	return error;
+}
+
+void inputs_init(void)
+{
+	status.has_driver_fault = devices.driver_fault.port != NULL;
+	for (size_t i = 0; i < ARRAY_SIZE(inputs); i++) {
+		if (inputs[i].spec->port == NULL) {
+			continue;
+		}
+		const int error =
+			device_is_ready(inputs[i].spec->port) ? start(&inputs[i]) : -ENODEV;
+
+		if (error != 0) {
+			LOG_ERR("%s input: error %d", inputs[i].name, error);
+		}
+	}
+}
+
+struct inputs_status inputs_get(void)
+{
+	const unsigned int key = irq_lock();
+	const struct inputs_status copy = status;
+
+	irq_unlock(key);
+	return copy;
+}
