@@ -22,6 +22,7 @@ enum {
 	PATH_SIZE = 96,
 	RETRY_MIN_MS = 100,
 	RETRY_MAX_MS = 5000,
+	CHECK_MS = 500,    /* a chip without inputs does not say that it goes */
 	KERNEL_QUEUE = 16, /* edges per line; the kernel drops further ones */
 	EXIT_OPTION = 2,
 };
@@ -65,6 +66,7 @@ static char wanted[ROLE_COUNT][GPIOCHIP_NAME_SIZE];
 
 static struct gpiochip *chip; /* NULL: away */
 static struct mapped mapped[ROLE_COUNT];
+static struct loop_timer check;
 static struct loop_timer retry;
 static uint32_t retry_ms;
 
@@ -72,7 +74,7 @@ static uint32_t retry_ms;
 static struct {
 	bool away; /* the device knows that the chip is: as a fault of the lamp's driver */
 	uint64_t edges;
-	uint64_t resyncs; /* the kernel had dropped edges: the level was read instead */
+	uint64_t missed; /* times that the kernel has not told of every edge */
 	uint64_t losses;
 } kept;
 
@@ -181,6 +183,7 @@ static int open_chip(struct host_error *error)
 		}
 	}
 	chip = opened;
+	loop_timer_start(&check, CHECK_MS);
 	for (int role = 0; role < ROLE_COUNT; role++) {
 		struct mapped *input = &mapped[role];
 
@@ -212,11 +215,27 @@ static void set_away(bool away)
 static void lose(int error)
 {
 	fprintf(stderr, "pharos: gpio: %s is lost: %s; trying again\n", path, strerror(error));
+	loop_timer_stop(&check);
 	close_all(chip);
 	chip = NULL;
 	kept.losses++;
 	retry_ms = 0;
 	loop_timer_start(&retry, 0);
+}
+
+static void on_check(struct loop_timer *timer)
+{
+	for (int role = 0; role < ROLE_COUNT; role++) {
+		if (mapped[role].line != NULL) {
+			const int level = gpiochip_get(mapped[role].line);
+
+			if (level < 0) {
+				lose(-level);
+				return;
+			}
+		}
+	}
+	loop_timer_start(timer, CHECK_MS);
 }
 
 static void on_retry(struct loop_timer *timer)
@@ -264,19 +283,15 @@ static void follow(void)
 	}
 }
 
-/*
- * The kernel's queue was full, so edges are missing, perhaps the last ones: then the level is read.
- * A queue that still holds some is read first.
- */
+/* The kernel's queue was full and is read: edges are missing, perhaps the last ones. */
 static void resync(enum role role)
 {
 	const int level = gpiochip_get(mapped[role].line);
 
-	mapped[role].burst = 0;
 	if (level < 0) {
 		lose(-level);
 	} else if (mapped[role].level != (level == 1)) {
-		kept.resyncs++;
+		kept.missed++;
 		drive(role, level == 1, now_us());
 	}
 }
@@ -309,13 +324,17 @@ static void on_edge(struct loop_source *source, uint32_t events)
 		return;
 	}
 	kept.edges++;
+	kept.missed += edge.level == input->level ? 1 : 0;
 	edge_us = (int64_t)clock_board_of_host_us(edge.time_ns);
 	drive(role, edge.level, edge_us < now_us() ? edge_us : now_us());
-	if (++input->burst >= KERNEL_QUEUE && !is_readable(source->fd)) {
-		resync(role);
-	} else if (input->burst < KERNEL_QUEUE && !is_readable(source->fd)) {
-		input->burst = 0;
+	input->burst++;
+	if (is_readable(source->fd)) {
+		return;
 	}
+	if (input->burst >= KERNEL_QUEUE) {
+		resync(role);
+	}
+	input->burst = 0;
 }
 
 /* --- the module ---------------------------------------------------------------------------------
@@ -396,6 +415,7 @@ static int start(void)
 		fprintf(stderr, "pharos: --gpio: a real chip needs --time real\n");
 		return EXIT_OPTION;
 	}
+	check.fire = on_check;
 	retry.fire = on_retry;
 	board_outside = follow;
 	if (open_chip(&error) == 0) {
@@ -414,6 +434,7 @@ static int start(void)
 
 static void stop(void)
 {
+	loop_timer_stop(&check);
 	loop_timer_stop(&retry);
 	board_outside = NULL;
 	close_all(chip);
@@ -434,7 +455,7 @@ static enum control_result run_gpiochip(struct control_call *call)
 	control_put_bool(call->reply, "present", chip != NULL);
 	json_object_set_new(call->reply, "lines", lines);
 	control_put_integer(call->reply, "edges", (int64_t)kept.edges);
-	control_put_integer(call->reply, "resyncs", (int64_t)kept.resyncs);
+	control_put_integer(call->reply, "missed", (int64_t)kept.missed);
 	control_put_integer(call->reply, "losses", (int64_t)kept.losses);
 	return CONTROL_OK;
 }
@@ -455,7 +476,7 @@ static const struct host_option options[] = {
 static const struct control_op ops[] = {
 	{"gpiochip",
          "the real chip behind --gpio: backend, path, present, level of each line; edges read, "
-         "resyncs, losses",
+         "missed ones, losses",
          run_gpiochip},
 	{0},
 };

@@ -1,0 +1,310 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A Linux guest with CAN and GPIO, whatever the host's kernel has: user-mode Linux, no KVM.
+
+    guest.py build              the kernel, from Debian's source package, into build/guest
+    guest.py run -- COMMAND…    COMMAND as root in the guest; its output and exit status
+    guest.py test [PYTEST…]     the tests of this folder in the guest
+
+The guest runs the host's own programs on the host's root, which it cannot change: what it writes
+is gone when it ends. As root, missing packages are installed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import hashlib
+import importlib.metadata
+import mmap
+import os
+import re
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+import tarfile
+import tempfile
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+CACHE = ROOT / "build" / "guest"
+CONFIG = HERE / "guest.config"
+SOURCE = Path("/usr/src/linux-source-6.12.tar.xz")
+PACKAGES = (
+    "linux-source-6.12", "flex", "bison", "bc", "gcc", "make", "xz-utils",
+    "can-utils", "gpiod", "libgpiod-dev", "iproute2",
+)  # fmt: skip
+MEMORY = "512M"
+BOOT_S = 60.0
+TEST_S = 300.0
+SKIP = "PHAROS_SKIP_GUEST"
+
+
+class GuestError(Exception):
+    """Why there is no guest, in one line."""
+
+
+@dataclass
+class Result:
+    """What the `linux` stage found. note: for the summary; empty: nothing to say."""
+
+    passed: int = 0
+    failed: int = 0
+    replay: str = ""
+    note: str = ""
+
+
+# --- the host's part ---------------------------------------------------------------------------
+
+
+def _run(
+    *command: str | Path, cwd: Path | None = None, env: Mapping[str, str] | None = None
+) -> str:
+    words = [str(word) for word in command]
+    done = subprocess.run(
+        words, cwd=cwd, env={**os.environ, **(env or {})}, stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
+    )  # fmt: skip
+    if done.returncode != 0:
+        print(done.stdout, end="")
+        last = (done.stdout.strip().splitlines() or ["no output"])[-1]
+        raise GuestError(f"{shlex.join(words[:6])}: exit {done.returncode}: {last}")
+    return done.stdout
+
+
+def _installed(package: str) -> str:
+    """Its version; empty: it is not installed."""
+    done = subprocess.run(
+        ["dpkg-query", "-W", "-f", "${db:Status-Status} ${Version}", package],
+        capture_output=True, text=True,
+    )  # fmt: skip
+    status, _, version = done.stdout.partition(" ")
+    return version if status == "installed" else ""
+
+
+def install_packages() -> None:
+    missing = [package for package in PACKAGES if not _installed(package)]
+    if not missing:
+        return
+    if os.geteuid() != 0:
+        raise GuestError(f"packages are missing; as root: apt-get install {' '.join(missing)}")
+    print("guest: installing", *missing, flush=True)
+    quiet = {"DEBIAN_FRONTEND": "noninteractive"}
+    _run("apt-get", "update", "-q", env=quiet)
+    _run("apt-get", "install", "-y", "-q", "--no-install-recommends", *missing, env=quiet)
+
+
+def _options(config: Path) -> set[str]:
+    return set(re.findall(r"^CONFIG_\w+=.*$", config.read_text(), re.MULTILINE))
+
+
+def build_kernel() -> Path:
+    """The kernel, from the cache or newly built (a few minutes)."""
+    key = hashlib.sha256(CONFIG.read_bytes() + _installed(PACKAGES[0]).encode()).hexdigest()[:16]
+    kernel = CACHE / f"linux-{key}"
+    if kernel.exists():
+        return kernel
+    if not SOURCE.exists():
+        raise GuestError(f"{SOURCE} is missing: apt-get install {PACKAGES[0]}")
+    print("guest: building its kernel, once; this takes some minutes", flush=True)
+    start = time.monotonic()
+    CACHE.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=CACHE, prefix="linux-source-") as folder:
+        source, out = Path(folder, "source"), Path(folder, "out")
+        source.mkdir()
+        out.mkdir()
+        # What is left out is never opened in a build for user-mode Linux.
+        _run("tar", "-xJf", SOURCE, "-C", source, "--strip-components=1",
+             "--exclude=*/Documentation/*/*", "--exclude=*/drivers/gpu/drm/amd/include",
+             "--exclude=*/arch/arm*/boot/dts", "--exclude=*/tools/testing")  # fmt: skip
+        make = ("make", "-s", "-C", source, "ARCH=um", f"O={out}")
+        _run(*make, f"KCONFIG_ALLCONFIG={CONFIG}", "allnoconfig")
+        dropped = _options(CONFIG) - _options(out / ".config")
+        if dropped:
+            raise GuestError(f"the kernel does not take {', '.join(sorted(dropped))}")
+        _run(*make, f"-j{os.cpu_count() or 1}", "linux")
+        _run("strip", out / "linux")
+        shutil.move(out / "linux", kernel)
+    print(f"guest: built in {time.monotonic() - start:.0f} s", flush=True)
+    return kernel
+
+
+def _memory_folder() -> Path:
+    """Where the guest's memory can be mapped executable; best in the host's own memory."""
+    for folder in (Path("/dev/shm"), Path(tempfile.gettempdir()), CACHE):
+        try:
+            with tempfile.TemporaryFile(dir=folder) as file:
+                file.truncate(mmap.PAGESIZE)
+                prot = mmap.PROT_READ | mmap.PROT_WRITE | mmap.PROT_EXEC
+                mmap.mmap(file.fileno(), mmap.PAGESIZE, prot=prot).close()
+        except OSError:
+            continue
+        return folder
+    raise GuestError("no folder whose files may be mapped executable")
+
+
+def _status_of(share: Path) -> int | None:
+    try:
+        return int((share / "status").read_text())
+    except (OSError, ValueError):
+        return None
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """The whole guest: each of its processes is one of the host's, in the same group."""
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+
+
+def run(
+    command: Sequence[str],
+    *,
+    env: Mapping[str, str] | None = None,
+    timeout_s: float = BOOT_S,
+    output: Path | None = None,
+) -> int:
+    """Runs command in a new guest at the root of the tree; its exit status. Output goes to output,
+    or is shown as it comes. GuestError: it did not get that far, or took too long."""
+    kernel = build_kernel()
+    with tempfile.TemporaryDirectory(prefix="guest-") as folder:
+        share = Path(folder)
+        words = " ".join(f"{k}={shlex.quote(v)}" for k, v in (env or {}).items())
+        (share / "command").write_text(
+            f"cd {shlex.quote(str(ROOT))}\n"
+            f"exec env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 "
+            f"PHAROS_GUEST=1 PYTHONDONTWRITEBYTECODE=1 {words} {shlex.join(command)} 2>&1\n"
+        )
+        arguments = [
+            str(kernel), f"mem={MEMORY}", "root=/dev/root", "rootfstype=hostfs", "ro", "loglevel=0",
+            f"init={HERE / 'init.sh'}", "con=null", "con0=null,fd:1", f"uml_dir={share}",
+            f"SHARE={share}",
+        ]  # fmt: skip
+        cpu = max(os.sched_getaffinity(0))
+        with (share / "kernel.log").open("wb") as log, open(output or os.devnull, "wb") as file:
+            process = subprocess.Popen(
+                ["taskset", "-c", str(cpu), *arguments], stdin=subprocess.DEVNULL,
+                stdout=file if output else None, stderr=log, start_new_session=True,
+                env={**os.environ, "TMPDIR": str(_memory_folder()), "HOME": folder},
+            )  # fmt: skip
+            try:
+                process.wait(timeout_s)
+            except subprocess.TimeoutExpired as error:
+                raise GuestError(f"the guest took longer than {timeout_s:.0f} s") from error
+            finally:
+                _end(process)
+        status = _status_of(share)
+        if status is None:
+            text = (share / "kernel.log").read_text(errors="replace").strip()
+            print(text)
+            raise GuestError(f"the guest ended early: {(text.splitlines() or ['no reason'])[-1]}")
+        return status
+
+
+# --- the light with libgpiod 2, which Debian 12 does not have ------------------------------------
+
+
+def _build_libgpiod2(version: str) -> Path:
+    """A static libgpiod 2 from the sources that the PyPI package carries; its pkg-config folder."""
+    prefix = CACHE / f"libgpiod-{version}"
+    if (prefix / "libgpiod.pc").exists():
+        return prefix
+    shutil.rmtree(prefix, ignore_errors=True)
+    prefix.mkdir(parents=True)
+    _run(sys.executable, "-m", "pip", "download", "-q", "--disable-pip-version-check", "--no-deps",
+         "--no-binary", "gpiod", "-d", prefix, f"gpiod=={version}")  # fmt: skip
+    with tarfile.open(next(prefix.glob("gpiod-*.tar.gz"))) as archive:
+        archive.extractall(prefix, filter="data")
+    source = prefix / f"gpiod-{version}"
+    release = (source / "libgpiod-version.txt").read_text().strip()
+    includes = ("-I", source / "include", "-I", source / "lib")
+    objects = []
+    for file in sorted((source / "lib").glob("*.c")):
+        objects.append(prefix / f"{file.stem}.o")
+        _run("gcc", "-O2", "-D_GNU_SOURCE", f'-DGPIOD_API_VERSION_STR="{release}"',
+             *includes, "-c", file, "-o", objects[-1])  # fmt: skip
+    _run("ar", "rcs", prefix / "libgpiod.a", *objects)
+    (prefix / "libgpiod.pc").write_text(
+        f"Name: libgpiod\nDescription: GPIO character device library\nVersion: {release}\n"
+        f"Cflags: -I{source / 'include'}\nLibs: -L{prefix} -lgpiod\n"
+    )
+    return prefix
+
+
+def build_light2() -> Path:
+    """build/guest/light2/pharos: the light over libgpiod 2."""
+    folder = CACHE / "light2"
+    env = {"PKG_CONFIG_PATH": str(_build_libgpiod2(importlib.metadata.version("gpiod")))}
+    _run("cmake", "-G", "Ninja", "-S", ROOT, "-B", folder, "--log-level=NOTICE",
+         f"-DPython3_EXECUTABLE={sys.executable}", env=env)  # fmt: skip
+    _run("ninja", "-C", folder, "--quiet", "pharos", env=env)
+    return folder / "pharos"
+
+
+# --- the tests -------------------------------------------------------------------------------
+
+
+def run_tests(build: Path, arguments: Sequence[str]) -> Result:
+    """The tests of this folder in a guest, on the light in `build` and on one with libgpiod 2."""
+    replay = f"PHAROS_BUILD={build} {sys.executable} tests/linux/guest.py test"
+    try:
+        install_packages()
+        build_kernel()
+        env = {"PHAROS_BUILD": str(build), "PHAROS_LIGHT2": str(build_light2())}
+        with tempfile.TemporaryDirectory(prefix="report-", dir=CACHE) as folder:
+            output = Path(folder, "output")
+            command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *arguments]
+            status = run([*command, "tests/linux"], env=env, timeout_s=TEST_S, output=output)
+            text = output.read_text(errors="replace")
+    except GuestError as error:
+        print(f"guest: {error}")
+        return Result(failed=1, replay=replay, note=f"no guest: {error}")
+    print(text, end="")
+    last = (text.strip().splitlines() or [""])[-1]
+    passed = re.search(r"(\d+) passed", last)
+    failed = sum(int(n) for n in re.findall(r"(\d+) (?:failed|error)", last))
+    if passed is None or status != 0:
+        failed = max(failed, 1)
+    return Result(int(passed[1]) if passed else 0, failed, replay if failed else "")
+
+
+def stage(preset: str) -> Result:
+    """The `linux` stage of tests/run.py, on the light in build/<preset>."""
+    if os.environ.get(SKIP, "0") not in ("", "0"):
+        return Result(note=f"skipped: {SKIP} is set")
+    return run_tests(ROOT / "build" / preset, [])
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    actions = parser.add_subparsers(dest="action", required=True)
+    actions.add_parser("build", help="make the kernel, unless it is there")
+    in_guest = actions.add_parser("run", help="run a command in the guest")
+    in_guest.add_argument("--timeout", type=float, default=TEST_S, metavar="SECONDS")
+    in_guest.add_argument("command", nargs="+")
+    tests = actions.add_parser("test", help="run the tests of this folder in the guest")
+    tests.add_argument("pytest", nargs="*", help="options for pytest, after --")
+    args = parser.parse_args()
+    try:
+        install_packages()
+        if args.action == "build":
+            print(build_kernel())
+            return 0
+        if args.action == "run":
+            return run(args.command, timeout_s=args.timeout)
+    except GuestError as error:
+        print(f"guest: {error}", file=sys.stderr)
+        return 1
+    build = Path(os.environ.get("PHAROS_BUILD", ROOT / "build" / "native")).resolve()
+    return int(run_tests(build, args.pytest).failed > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the tests in the guest build on: simulated GPIO chips, CAN interfaces, a light in real time.
+
+Nothing here asserts a time: until() waits for what must happen, and PATIENCE_S only ends a wait for
+what never does.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from pharos.control import ControlClient
+
+PATIENCE_S = 30.0
+CONFIGFS = Path("/sys/kernel/config/gpio-sim")
+PLATFORM = Path("/sys/devices/platform")
+
+
+def until(what: str, condition: Callable[[], Any]) -> Any:
+    """The first true value of condition(), asked again and again."""
+    end = time.monotonic() + PATIENCE_S
+    while time.monotonic() < end:
+        value = condition()
+        if value:
+            return value
+        os.sched_yield()
+    raise AssertionError(f"{what}: not within {PATIENCE_S:.0f} s")
+
+
+class GpioSim:
+    """A chip of the kernel's gpio-sim: what is outside of it is moved and seen here."""
+
+    def __init__(self, name: str, lines: Sequence[str]) -> None:
+        self._folder = CONFIGFS / name
+        self._bank = self._folder / "gpio-bank0"
+        self._lines = list(lines)
+        self._bank.mkdir(parents=True)
+        (self._bank / "num_lines").write_text(str(len(lines)))
+        for number, line in enumerate(lines):
+            (self._bank / f"line{number}").mkdir()
+            (self._bank / f"line{number}" / "name").write_text(line)
+        self.plug()
+
+    def plug(self) -> None:
+        (self._folder / "live").write_text("1")
+        chip = (self._bank / "chip_name").read_text().strip()
+        self.device = f"/dev/{chip}"
+        self._sysfs = PLATFORM / (self._folder / "dev_name").read_text().strip() / chip
+        until(self.device, lambda: Path(self.device).exists())
+
+    def unplug(self) -> None:
+        (self._folder / "live").write_text("0")
+
+    def remove(self) -> None:
+        self.unplug()
+        for number in range(len(self._lines)):
+            (self._bank / f"line{number}").rmdir()
+        self._bank.rmdir()
+        self._folder.rmdir()
+
+    def _attribute(self, line: str, name: str) -> Path:
+        return self._sysfs / f"sim_gpio{self._lines.index(line)}" / name
+
+    def value(self, line: str) -> int:
+        return int(self._attribute(line, "value").read_text())
+
+    def pull(self, line: str, level: int) -> None:
+        """Moves an input, with an edge if that is a change."""
+        self._attribute(line, "pull").write_text("pull-up" if level else "pull-down")
+
+
+class Light:
+    """The native light in real time, with a shell and a control socket."""
+
+    def __init__(self, binary: Path, folder: Path, *options: str) -> None:
+        control = folder / "control"
+        self.stderr = folder / "stderr"
+        with self.stderr.open("wb") as stderr, (folder / "console").open("wb") as console:
+            self.process = subprocess.Popen(
+                [str(binary), "--time", "real", "--control", str(control), *options],
+                stdin=subprocess.PIPE, stdout=console, stderr=stderr, cwd=folder,
+            )  # fmt: skip
+        self._console = folder / "console"
+        until("the control socket", lambda: control.exists() or self.process.poll() is not None)
+        assert self.process.poll() is None, self.errors()
+        self._control = ControlClient(str(control))
+        until("the shell", lambda: self.do("outputs")["limit_ppm"] > 0)
+
+    def errors(self) -> str:
+        return self.stderr.read_text()
+
+    def console(self) -> str:
+        return self._console.read_text(errors="replace")
+
+    def do(self, op: str, **fields: Any) -> dict[str, Any]:
+        return self._control.request(op, **fields)
+
+    def line(self, name: str) -> int:
+        return int(self.do("outputs")["lines"][name])
+
+    def shell(self, *lines: str) -> None:
+        """Types lines; the last one has been carried out when `until` sees what it does."""
+        assert self.process.stdin is not None
+        self.process.stdin.write("".join(f"{line}\n" for line in lines).encode())
+        self.process.stdin.flush()
+
+    def status(self) -> str:
+        """The line on the lamp's driver in what `light status` says now."""
+        seen = len(self.console())
+        self.shell("light status")
+
+        def line() -> str:
+            found = re.search(r"^driver .*$(?=\n)", self.console()[seen:], re.MULTILINE)
+            return found[0] if found else ""
+
+        return str(until("the status", line))
+
+    def signal(self, number: signal.Signals) -> int:
+        """Its exit status then; -number: it was killed by that signal."""
+        self.process.send_signal(number)
+        return self.process.wait(PATIENCE_S)
+
+    def close(self) -> None:
+        self._control.close()
+        if self.process.poll() is None:
+            self.process.kill()
+        self.process.wait(PATIENCE_S)
+        if self.process.stdin is not None:
+            self.process.stdin.close()

@@ -1,0 +1,259 @@
+# SPDX-License-Identifier: Apache-2.0
+"""--gpio gpiochip:… on a real kernel's GPIO character device, with gpio-sim around it."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import gpiod
+import pytest
+from guest_light import PATIENCE_S, GpioSim, Light, until
+
+LINES = ("LAMP", "CAMERA", "SYNC", "BUTTON", "FAULT", "SPARE")
+
+Start = Callable[..., Light]
+Settings = dict[Iterable[int | str] | int | str, gpiod.LineSettings | None]
+
+
+@pytest.fixture
+def chip(gpio_sim: Callable[..., GpioSim]) -> GpioSim:
+    return gpio_sim(*LINES)
+
+
+def options(chip: GpioSim, uses: str) -> tuple[str, str]:
+    return "--gpio", f"gpiochip:{chip.device},{uses}"
+
+
+def refusal(binary: Path, *words: str) -> str:
+    """The one line with which the light refuses to start."""
+    done = subprocess.run(
+        [binary, "--console", "none", "--can0", "none", *words],
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE_S,
+    )
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.count("\n") == 1
+    return done.stderr.strip()
+
+
+# --- outputs ------------------------------------------------------------------------------------
+
+
+def test_lamp_line_follows_the_light(start: Start, chip: GpioSim) -> None:
+    light = start(*options(chip, "enable=LAMP,strobe=1"))
+    assert (chip.value("LAMP"), chip.value("CAMERA")) == (0, 0)
+    light.shell("light on")
+    until("both high", lambda: (chip.value("LAMP"), chip.value("CAMERA")) == (1, 1))
+    light.shell("light off")
+    until("both low", lambda: (chip.value("LAMP"), chip.value("CAMERA")) == (0, 0))
+
+
+def test_lines_belong_to_the_light_while_it_runs(start: Start, chip: GpioSim) -> None:
+    light = start(*options(chip, "enable=LAMP,sync=SYNC"))
+    with gpiod.Chip(chip.device) as opened:
+        assert opened.get_line_info("LAMP").consumer == "pharos"
+        assert opened.get_line_info("LAMP").direction == gpiod.line.Direction.OUTPUT
+        assert opened.get_line_info("SYNC").direction == gpiod.line.Direction.INPUT
+        assert not opened.get_line_info("SPARE").used
+        assert light.signal(signal.SIGTERM) == 0
+        assert not opened.get_line_info("LAMP").used
+
+
+def test_every_strobe_edge_reaches_the_line(start: Start, chip: GpioSim) -> None:
+    light = start(*options(chip, "enable=LAMP"))
+    before = light.do("outputs")["edges"]
+    # half a second each: an observer on a busy machine sees every one
+    light.shell("light set period 1", "light set duty 50", "light on")
+    seen = [0]
+
+    def six_edges() -> bool:
+        value = chip.value("LAMP")
+        if value != seen[-1]:
+            seen.append(value)
+        return len(seen) > 6
+
+    until("six edges", six_edges)
+    light.shell("light off")
+    until("dark", lambda: chip.value("LAMP") == 0)
+    assert seen == [0, 1, 0, 1, 0, 1, 0]
+    assert light.do("outputs")["edges"] - before == 6
+
+
+# --- inputs -------------------------------------------------------------------------------------
+
+
+def in_sync_mode(light: Light, *settings: str) -> None:
+    light.shell(*settings, "light set mode sync", "light on")
+    until("sync mode", lambda: light.do("outputs")["mode"] == 2)
+
+
+def test_lamp_follows_external_sync(start: Start, chip: GpioSim) -> None:
+    light = start(*options(chip, "enable=LAMP,sync=SYNC"))
+    in_sync_mode(light)
+    for _ in range(10):
+        for level in (1, 0):
+            chip.pull("SYNC", level)
+            until(f"lamp at {level}", lambda: chip.value("LAMP") == level)  # noqa: B023
+    assert light.do("gpiochip")["edges"] == 20
+    assert light.do("outputs")["edges"] == 20
+
+
+def test_sync_level_at_start_counts(start: Start, chip: GpioSim) -> None:
+    chip.pull("SYNC", 1)
+    light = start(*options(chip, "enable=LAMP,sync=SYNC"))
+    in_sync_mode(light)
+    until("lit", lambda: chip.value("LAMP") == 1)
+
+
+def test_burst_beyond_the_kernels_queue_ends_at_the_right_level(
+    start: Start, chip: GpioSim
+) -> None:
+    light = start(*options(chip, "enable=LAMP,sync=SYNC"))
+    in_sync_mode(light)
+    light.process.send_signal(signal.SIGSTOP)
+    for number in range(101):
+        chip.pull("SYNC", (number + 1) % 2)
+    light.process.send_signal(signal.SIGCONT)
+    until("lit", lambda: chip.value("LAMP") == 1)
+    # the kernel keeps 16 edges of each line
+    assert light.do("gpiochip")["edges"] <= 16
+    chip.pull("SYNC", 0)
+    until("dark", lambda: chip.value("LAMP") == 0)
+
+
+def test_edges_count_at_the_kernels_time(start: Start, chip: GpioSim) -> None:
+    """A pulse of 100 ms, of which the light hears when it has long been over, is no light."""
+    light = start(*options(chip, "enable=LAMP,sync=SYNC"))
+    settings = ("SYNC_MODE 1", "SYNC_PULSE_US 100000", "SYNC_FILT_US 0")
+    in_sync_mode(light, *(f"param set {setting}" for setting in settings))
+    light.process.send_signal(signal.SIGSTOP)
+    chip.pull("SYNC", 1)
+    end = time.monotonic() + 0.3
+    until("0.3 s have passed", lambda: time.monotonic() > end)
+    light.process.send_signal(signal.SIGCONT)
+    until("the edge is read", lambda: light.do("gpiochip")["edges"] == 1)
+    assert light.do("outputs")["edges"] == 0
+    chip.pull("SYNC", 0)
+    until("the end is read", lambda: light.do("gpiochip")["edges"] == 2)
+    chip.pull("SYNC", 1)
+    until("a pulse told in time", lambda: light.do("outputs")["edges"] == 2)
+
+
+def test_button_switches_the_light(start: Start, chip: GpioSim) -> None:
+    light = start(*options(chip, "enable=LAMP,button=BUTTON"))
+    assert light.line("button") == 1, "pulled up by the light"
+    for level in (1, 0):
+        chip.pull("BUTTON", 0)
+        until(f"lamp at {level}", lambda: chip.value("LAMP") == level)  # noqa: B023
+        chip.pull("BUTTON", 1)
+        until("released", lambda: light.line("button") == 1)
+        # the light's clock: a level counts once it has lasted 20 ms
+        end_us = light.do("outputs")["now_us"] + 40_000
+        until("the release counts", lambda: light.do("outputs")["now_us"] > end_us)  # noqa: B023
+
+
+def test_driver_fault_is_logged_and_counted(start: Start, chip: GpioSim) -> None:
+    light = start(*options(chip, "fault=FAULT"))
+    assert light.line("driver_fault") == 1, "pulled up by the light"
+    until("no fault yet", lambda: "ok, 0 faults" in light.status())
+    chip.pull("FAULT", 0)
+    until("a fault", lambda: "FAULT, 1 faults" in light.status())
+    assert "the lamp's driver reports a fault" in light.console()
+    chip.pull("FAULT", 1)
+    until("no fault any more", lambda: "ok, 1 faults" in light.status())
+
+
+# --- the end of the process -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("number", "status"),
+    [
+        (signal.SIGKILL, -signal.SIGKILL),
+        (signal.SIGSEGV, -signal.SIGSEGV),
+        (signal.SIGTERM, 0),
+        (signal.SIGHUP, -signal.SIGHUP),
+    ],
+)
+@pytest.mark.parametrize("outside", ["pulled down", "pulled up before"])
+def test_lamp_is_off_however_the_light_ends(
+    start: Start, chip: GpioSim, number: signal.Signals, status: int, outside: str
+) -> None:
+    if outside == "pulled up before":
+        chip.pull("LAMP", 1)  # the light asks for a pull-down of its own
+    light = start(*options(chip, "enable=LAMP"))
+    light.shell("light on")
+    until("lit", lambda: chip.value("LAMP") == 1)
+    assert light.signal(number) == status
+    until("dark", lambda: chip.value("LAMP") == 0)
+
+
+def test_reset_makes_the_lamp_dark_and_takes_the_lines_again(start: Start, chip: GpioSim) -> None:
+    light = start(*options(chip, "enable=LAMP,button=BUTTON"))
+    light.shell("light on")
+    until("lit", lambda: chip.value("LAMP") == 1)
+    assert light.do("reset")["reset_cause"] == "pin"
+    assert chip.value("LAMP") == 0
+    chip.pull("BUTTON", 0)
+    until("the button is read", lambda: light.line("button") == 0)
+    light.shell("light on")
+    until("lit again", lambda: chip.value("LAMP") == 1)
+
+
+# --- a chip that goes away ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("uses", ["enable=LAMP", "enable=LAMP,sync=SYNC"])
+def test_lost_chip_is_a_driver_fault_until_it_is_back(
+    start: Start, chip: GpioSim, uses: str
+) -> None:
+    light = start(*options(chip, uses))
+    light.shell("light on")
+    until("lit", lambda: chip.value("LAMP") == 1)
+    chip.unplug()
+    until("the loss is seen", lambda: not light.do("gpiochip")["present"])
+    until("a driver fault", lambda: "FAULT, 1 faults" in light.status())
+    assert light.errors().count("is lost") == 1
+    # it goes on, also with commands
+    light.shell("light off", "light on")
+    until("on", lambda: light.do("outputs")["enable"] == 1)
+    chip.plug()
+    until("it is found again", lambda: light.do("gpiochip")["present"])
+    until("lit", lambda: chip.value("LAMP") == 1)
+    until("no driver fault", lambda: "ok, 1 faults" in light.status())
+    assert light.do("gpiochip")["losses"] == 1
+    assert light.errors().count("is back") == 1
+    assert light.signal(signal.SIGTERM) == 0
+
+
+# --- at start -------------------------------------------------------------------------------------
+
+
+def test_wrong_names_are_one_line(binary: Path, chip: GpioSim) -> None:
+    assert refusal(binary, *options(chip, "enable=LAMB")) == (
+        f'pharos: --gpio: {chip.device} has no line "LAMB"; its lines are 0 to 5 and their names'
+    )
+    assert 'has no line "6"' in refusal(binary, *options(chip, "enable=6"))
+    assert "same line" in refusal(binary, *options(chip, "enable=LAMP,sync=0"))
+    assert refusal(binary, "--gpio", "gpiochip:/dev/gpiochip99,enable=0") == (
+        "pharos: --gpio: /dev/gpiochip99: No such file or directory"
+    )
+
+
+def test_busy_line_is_one_line_with_its_user(binary: Path, chip: GpioSim) -> None:
+    settings: Settings = {"LAMP": gpiod.LineSettings(direction=gpiod.line.Direction.OUTPUT)}
+    with gpiod.request_lines(chip.device, consumer="somebody", config=settings):
+        assert refusal(binary, *options(chip, "sync=SYNC,enable=LAMP")) == (
+            f"pharos: --gpio: enable: line LAMP of {chip.device} is in use by somebody"
+        )
+
+
+def test_each_back_end_says_which_it_is(start: Start, chip: GpioSim, binary: Path) -> None:
+    wanted = "libgpiod v2" if binary.parent.name == "light2" else "libgpiod v1"
+    assert start(*options(chip, "enable=LAMP")).do("gpiochip")["backend"] == wanted

@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: Apache-2.0
+"""--can0 socketcan:NAME on a real kernel's CAN. The peer is python-can's own interface."""
+
+from __future__ import annotations
+
+import socket
+import struct
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import can
+import pytest
+from guest_light import until
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "native"))
+
+from conftest import BUILD
+from echo_light import Light, Peer
+
+# Zephyr's numbers of modes, of frame flags and of states.
+FD = 4
+IDE, FDF, BRS = 1, 4, 8
+ACTIVE, WARNING, PASSIVE, BUS_OFF = range(4)
+ENETUNREACH = 101
+
+# linux/can.h and linux/can/error.h
+ERR_FLAG = 0x20000000
+ERR_CRTL, ERR_PROT, ERR_ACK, ERR_BUSOFF, ERR_RESTARTED = 0x4, 0x8, 0x20, 0x40, 0x100
+TX_WARNING, TX_PASSIVE, RX_PASSIVE, CRTL_ACTIVE = 0x08, 0x20, 0x10, 0x40
+
+
+class Node:
+    """can_app on an interface, in real time."""
+
+    def __init__(self, folder: Path, interface: str, *, fd: bool = True) -> None:
+        options = ("--can0", f"socketcan:{interface}", "--uart0", "udpin:127.0.0.1:0")
+        self.light = Light(BUILD / "tests/native/can_app", folder, *options, virtual=False)
+        self.peer = Peer(self.light, "uart0")
+        self.interface = interface
+        self.lines: list[list[str]] = []
+        self.command(f"start {FD if fd else 0}")
+        self.until_said("done", ["0"])
+
+    def command(self, text: str) -> None:
+        self.peer.send(text.encode() + b"\n")
+
+    def said(self, kind: str) -> list[list[str]]:
+        """What it has said of that kind, without the times."""
+        while not self.peer.is_silent():
+            assert self.peer.sock is not None
+            self.lines += [line.split() for line in self.peer.sock.recv(4096).decode().splitlines()]
+        return [line[2:] for line in self.lines if line[1] == kind]
+
+    def until_said(self, kind: str, words: list[str]) -> None:
+        until(f"{kind} {words}", lambda: words in self.said(kind))
+
+    def count(self, name: str) -> int:
+        return int(self.light.do("buses")["buses"]["can0"][name])
+
+    def close(self) -> None:
+        self.peer.close()
+        self.light.close()
+        text = self.light.stderr.read_text()
+        assert "ERROR: " not in text, text
+        assert "runtime error" not in text, text
+
+
+@pytest.fixture
+def node(tmp_path: Path, vcan0: str) -> Iterator[Node]:
+    made = Node(tmp_path, vcan0)
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def bus(vcan0: str) -> Iterator[can.BusABC]:
+    with can.Bus(interface="socketcan", channel=vcan0, fd=True) as opened:
+        yield opened
+
+
+def receive(bus: can.BusABC) -> can.Message:
+    message = bus.recv(30.0)
+    assert message is not None
+    return message
+
+
+def link(*words: str) -> None:
+    subprocess.run(["ip", "link", *words], check=True)
+
+
+def error_frame(interface: str, kind: int, data: bytes = b"") -> None:
+    """As a controller's driver would report it."""
+    with socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as raw:
+        raw.bind((interface,))
+        raw.send(struct.pack("=IB3x8s", ERR_FLAG | kind, 8, data))
+
+
+@pytest.mark.parametrize("fd", [False, True])
+@pytest.mark.parametrize("extended", [False, True])
+def test_every_length_there_and_back(node: Node, bus: can.BusABC, extended: bool, fd: bool) -> None:
+    node.command("echo 1")
+    until("echo", lambda: len(node.said("done")) == 2)
+    for length in [0, 1, 7, 8, *((12, 16, 20, 24, 32, 48, 64) if fd else ())]:
+        data = bytes(range(length))
+        bus.send(
+            can.Message(
+                arbitration_id=0x123, data=data, is_extended_id=extended,
+                is_fd=fd, bitrate_switch=fd,
+            )
+        )  # fmt: skip
+        echo = receive(bus)
+        assert (echo.arbitration_id, bytes(echo.data)) == (0x124, data)
+        assert (echo.is_extended_id, echo.is_fd, echo.bitrate_switch) == (extended, fd, fd)
+
+
+def test_what_candump_sees(node: Node, vcan0: str) -> None:
+    dump = subprocess.Popen(["candump", "-n", "2", "-L", vcan0], stdout=subprocess.PIPE, text=True)
+    until("candump", lambda: Path("/proc/net/can/rcvlist_all").read_text().count(vcan0) >= 1)
+    node.command(f"send 1abcde {IDE} 3 1")
+    node.command(f"send 123 {FDF | BRS} 9 1")
+    out, _ = dump.communicate(timeout=30)
+    lines = [line.split(" ", 2)[2] for line in out.splitlines()]
+    assert lines == ["001ABCDE#000000", "123##1" + "00" * 12]
+
+
+def test_an_interface_without_fd_refuses_fd_frames_and_goes_on(tmp_path: Path) -> None:
+    link("add", "dev", "vcan7", "type", "vcan")
+    link("set", "vcan7", "mtu", "16", "up")
+    node = Node(tmp_path, "vcan7")
+    try:
+        node.command(f"send 10 {FDF} 9 1")
+        node.until_said("sent", ["10", "-5"])
+        node.command("send 11 0 8 1")
+        node.until_said("sent", ["11", "0"])
+    finally:
+        node.close()
+        link("del", "vcan7")
+
+
+def test_interface_down_and_up(node: Node, bus: can.BusABC, vcan0: str) -> None:
+    link("set", vcan0, "down")
+    until("an error", lambda: node.count("errors") >= 1)
+    node.command("send 20 0 0 1")
+    node.until_said("state", [str(PASSIVE), "128", "0"])
+    link("set", vcan0, "up")
+    # It waited in its mailbox.
+    node.until_said("sent", ["20", "0"])
+    node.until_said("state", [str(ACTIVE), "0", "0"])
+    assert node.count("reconnects") == 1
+    with can.Bus(interface="socketcan", channel=vcan0, fd=True) as again:
+        again.send(can.Message(arbitration_id=0x77, is_extended_id=False))
+        node.until_said("rx", ["77", "0", "0"])
+
+
+def test_interface_vanishes_and_comes_back(node: Node, vcan0: str) -> None:
+    link("del", vcan0)
+    until("an error", lambda: node.count("errors") >= 1)
+    link("add", "dev", vcan0, "type", "vcan")
+    link("set", vcan0, "mtu", "72", "up")
+    until("it is back", lambda: node.count("reconnects") == 1)
+    node.command("send 21 0 0 1")
+    node.until_said("sent", ["21", "0"])
+    assert node.light.stderr.read_text().count("trying again") == 1
+
+
+def test_an_interface_that_comes_later(tmp_path: Path) -> None:
+    node = Node(tmp_path, "vcan8")
+    try:
+        until("an error", lambda: node.count("errors") >= 2)
+        link("add", "dev", "vcan8", "type", "vcan")
+        link("set", "vcan8", "up")
+        node.command("send 22 0 0 1")
+        node.until_said("sent", ["22", "0"])
+    finally:
+        node.close()
+        link("del", "vcan8")
+
+
+def test_states_of_the_controller_below(node: Node, vcan0: str) -> None:
+    error_frame(vcan0, ERR_CRTL, bytes([0, TX_WARNING, 0, 0, 0, 0, 96, 3]))
+    node.until_said("state", [str(WARNING), "96", "3"])
+    # Without counters: the threshold.
+    error_frame(vcan0, ERR_CRTL, bytes([0, RX_PASSIVE]))
+    node.until_said("state", [str(PASSIVE), "0", "128"])
+    error_frame(vcan0, ERR_CRTL, bytes([0, CRTL_ACTIVE]))
+    node.until_said("state", [str(ACTIVE), "0", "0"])
+
+
+def test_bus_off_and_restart(node: Node, bus: can.BusABC, vcan0: str) -> None:
+    error_frame(vcan0, ERR_BUSOFF)
+    node.until_said("state", [str(BUS_OFF), "255", "0"])
+    node.command("send 30 0 0 1")
+    node.until_said("done", [str(-ENETUNREACH)])
+    error_frame(vcan0, ERR_RESTARTED)
+    node.until_said("state", [str(ACTIVE), "0", "0"])
+    node.command("send 31 0 0 1")
+    node.until_said("sent", ["31", "0"])
+    assert receive(bus).arbitration_id == 0x31
+
+
+def test_a_burst_is_heard_whole(node: Node, bus: can.BusABC) -> None:
+    node.command("quiet 1")
+    until("quiet", lambda: len(node.said("done")) == 2)
+    for number in range(2000):
+        bus.send(can.Message(arbitration_id=number, data=bytes(8)))
+    until("all frames", lambda: node.count("rx_frames") == 2000)
+
+
+def test_a_full_queue_loses_nothing(node: Node, vcan1: str, vcan0: str) -> None:
+    """An interface with a queue of one frame and a slow way out: what does not fit is tried again."""
+    subprocess.run(["tc", "-V"], check=True, capture_output=True)
+    shaped = subprocess.run(
+        ["tc", "qdisc", "add", "dev", vcan0, "root", "tbf", "rate", "100kbit", "burst", "100", "limit", "100"],
+        capture_output=True, text=True,
+    )  # fmt: skip
+    if shaped.returncode != 0:
+        pytest.skip(f"the guest's kernel has no token bucket: {shaped.stderr.strip()}")
+    with can.Bus(interface="socketcan", channel=vcan0) as listener:
+        node.command("send 100 0 8 50")
+        heard = [receive(listener).arbitration_id for _ in range(50)]
+    assert heard == list(range(0x100, 0x100 + 50))
+    assert node.count("tx_retries") > 0
