@@ -102,7 +102,6 @@ def test_quit_returns_the_exit_status(start: Callable[..., Simulator]) -> None:
         "tcp:127.0.0.1:70000",
         "smoke:signals",
         "serial:/dev/null,fast",
-        "pty:/nonexistent/tty",
     ],
 )
 def test_bad_url_is_one_clear_line(url: str) -> None:

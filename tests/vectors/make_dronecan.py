@@ -18,7 +18,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import dronecan  # type: ignore[import-untyped]
+import dronecan
 from dronecan import dsdl, transport
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "app" / "proto" / "dronecan"))
@@ -51,9 +51,8 @@ class Maker:
     def length(self, kind: Any) -> int:
         if not generate.is_dynamic(kind):
             return int(kind.max_size)
-        return {"zero": 0, "max": kind.max_size}.get(
-            self.mode, self.rng.randint(0, min(kind.max_size, 40))
-        )
+        maximum = int(kind.max_size)
+        return {"zero": 0, "max": maximum}.get(self.mode, self.rng.randint(0, min(maximum, 40)))
 
     def value(self, kind: Any) -> Any:
         if generate.is_array(kind):

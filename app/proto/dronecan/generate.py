@@ -17,7 +17,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-import dronecan.dsdl as dsdl  # type: ignore[import-untyped]
+import dronecan.dsdl as dsdl
 
 # The types used: full name -> (id, data type signature). Nested types follow by themselves.
 TYPES: dict[str, tuple[int, int]] = {
@@ -106,15 +106,15 @@ def c_name(full_name: str) -> str:
 
 
 def is_compound(kind: Any) -> bool:
-    return kind.category == dsdl.Type.CATEGORY_COMPOUND
+    return bool(kind.category == dsdl.Type.CATEGORY_COMPOUND)
 
 
 def is_array(kind: Any) -> bool:
-    return kind.category == dsdl.Type.CATEGORY_ARRAY
+    return bool(kind.category == dsdl.Type.CATEGORY_ARRAY)
 
 
 def is_void(kind: Any) -> bool:
-    return kind.category == dsdl.Type.CATEGORY_VOID
+    return bool(kind.category == dsdl.Type.CATEGORY_VOID)
 
 
 def is_dynamic(kind: Any) -> bool:

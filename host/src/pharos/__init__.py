@@ -6,6 +6,7 @@ from __future__ import annotations
 from .connection import MavlinkConnection, Source, Target
 from .dialect import find_dialect, load_dialect
 from .errors import (
+    CommandError,
     DialectError,
     LinkError,
     PharosError,
@@ -13,19 +14,25 @@ from .errors import (
     SilentError,
     SimulatorError,
     UrlError,
+    UsageError,
 )
-from .link import Link, Pacer, RealPacer, open_link
-from .sim import Edge, Simulator, Wire
+from .light import Information, Light, Status
+from .link import Link, Pacer, Port, RealPacer, open_link
+from .sim import Edge, Simulator, Tunnel, Wire
 from .vcd import Signal, read_vcd
 
 __all__ = [
+    "CommandError",
     "DialectError",
     "Edge",
+    "Information",
+    "Light",
     "Link",
     "LinkError",
     "MavlinkConnection",
     "Pacer",
     "PharosError",
+    "Port",
     "RealPacer",
     "RefusedError",
     "Signal",
@@ -33,8 +40,11 @@ __all__ = [
     "Simulator",
     "SimulatorError",
     "Source",
+    "Status",
     "Target",
+    "Tunnel",
     "UrlError",
+    "UsageError",
     "Wire",
     "find_dialect",
     "load_dialect",

@@ -145,9 +145,9 @@ class MavlinkConnection:
             )
         )
 
-    def keep_alive(self) -> None:
-        """A heartbeat, if this client has spoken, but not of late."""
-        if self._spoke_us is not None and self.pacer.now_us() - self._spoke_us >= KEEP_ALIVE_US:
+    def keep_alive(self, silence_us: int = KEEP_ALIVE_US) -> None:
+        """A heartbeat, if this client has spoken, but not within the last `silence_us`."""
+        if self._spoke_us is not None and self.pacer.now_us() - self._spoke_us >= silence_us:
             self.heartbeat()
 
     def command_long(

@@ -34,3 +34,15 @@ class RefusedError(SimulatorError):
     def __init__(self, reason: str, where: str = "") -> None:
         super().__init__(f"{reason}{where}")
         self.reason = reason
+
+
+class CommandError(PharosError):
+    """The light answered a command, but did not accept it. `result`: MAV_RESULT."""
+
+    def __init__(self, reason: str, result: int) -> None:
+        super().__init__(reason)
+        self.result = result
+
+
+class UsageError(PharosError):
+    """What a person typed is not understood; nothing was sent."""

@@ -9,18 +9,23 @@ reads exactly those. Nothing depends on how fast the host is.
 from __future__ import annotations
 
 import shlex
+import socket
 import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .connection import MavlinkConnection, Source, Target
 from .control import ControlClient
 from .dialect import find_dialect, load_dialect
 from .errors import RefusedError, SimulatorError
-from .link import Link, TcpLink, TerminalLink, UdpLink, parse_address
+from .link import Link, Port, TcpLink, TerminalLink, UdpLink, parse_address
+
+if TYPE_CHECKING:
+    from .can_node import CanPort, DronecanNode
 
 START_TIMEOUT_S = 20.0
 # Bounds of one advance while links are attached, so that what the light sends always fits in the
@@ -51,9 +56,19 @@ class Edge:
     level_ppm: int
 
 
+@dataclass(frozen=True)
+class Tunnel:
+    """How a client reaches the light over CAN: the light's node, its own, the serial id, CAN FD."""
+
+    node: int = 68
+    own: int = 10
+    serial: int = 0
+    fd: bool = False
+
+
 @dataclass
 class _Attached:
-    link: Link
+    port: Port
     rx_before: int
     tx_before: int
 
@@ -61,7 +76,8 @@ class _Attached:
 class Simulator:
     """The native light as a subprocess. A context manager; leaving it ends the process.
 
-    wires: {"uart0": "udpin:127.0.0.1:0", …}; options: further command line arguments.
+    wires: {"uart0": "udpin:127.0.0.1:0", "can0": "udp:127.255.255.255:{port}", …}; options: further
+    command line arguments. In both, {folder} becomes a folder, {port} a UDP port of its own.
     Any failure of the light is a SimulatorError that says how to replay it.
     """
 
@@ -84,15 +100,30 @@ class Simulator:
             *("--time", "virtual", "--seed", str(seed)),
             *("--control", str(self.folder / "control")),
         ]
+        self._reservation: socket.socket | None = None
         for name, wire in (wires or {}).items():
-            self.command += [f"--{name}", wire.replace("{folder}", str(self.folder))]
-        self.command += options
+            self.command += [f"--{name}", self._fill_in(wire)]
+        self.command += [self._fill_in(option) for option in options]
         self._attached: dict[str, _Attached] = {}
-        self._clients: dict[str, MavlinkConnection] = {}
+        self._buses: dict[str, CanPort] = {}
+        self._clients: dict[str, list[MavlinkConnection]] = {}
         self._chunk_us = CHUNK_START_US
         self._now_us = 0
         self._process: subprocess.Popen[bytes] | None = None
         self._control: ControlClient | None = None
+
+    def _fill_in(self, text: str) -> str:
+        if "{port}" in text:
+            text = text.replace("{port}", str(self._reserve_port()))
+        return text.replace("{folder}", str(self.folder))
+
+    def _reserve_port(self) -> int:
+        """A port for a bus on loopback's broadcast address. Binding another address of the host
+        keeps it from being handed out again."""
+        if self._reservation is None:
+            self._reservation = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+            self._reservation.bind(("127.0.0.1", 0))
+        return int(self._reservation.getsockname()[1])
 
     # --- the process --------------------------------------------------------------------------
     def start(self) -> Simulator:
@@ -133,8 +164,12 @@ class Simulator:
     def stop(self) -> None:
         """Ends the process and closes every link."""
         for attached in self._attached.values():
-            attached.link.close()
+            attached.port.close()
         self._attached.clear()
+        self._buses.clear()
+        if self._reservation is not None:
+            self._reservation.close()
+            self._reservation = None
         if self._control is not None:
             self._control.close()
         if self._process is not None and self._process.poll() is None:
@@ -199,9 +234,9 @@ class Simulator:
             self._advance_once(left)
             return self._now_us
         while True:
-            step = min(left, self._chunk_us)
-            for client in self._clients.values():
+            for client in chain.from_iterable(self._clients.values()):
                 client.keep_alive()
+            step = min(left, self._chunk_us, self._until_due())
             self._advance_once(step)
             left -= step
             if left <= 0:
@@ -211,25 +246,32 @@ class Simulator:
         """Pacer: lets exactly `us` pass."""
         self.advance(us)
 
+    def _until_due(self) -> int:
+        """Lets every port send what is due; how long until there is more."""
+        now = self._now_us
+        steps = (attached.port.step(now) for attached in self._attached.values())
+        return min((max(due - now, 0) for due in steps if due is not None), default=CHUNK_MAX_US)
+
     def _advance_once(self, us: int) -> None:
         due = {
-            name: attached.rx_before + attached.link.sent
+            name: attached.rx_before + attached.port.sent
             for name, attached in self._attached.items()
-            if attached.link.sent
+            if attached.port.sent
         }
         reply = self.request("advance", us=us, **({"await": due} if due else {}))
         self._now_us = int(reply["now_us"])
         most = 0
-        for wire in self._parse_wires(reply):
-            attached = self._attached.get(wire.name)
+        for name, (_, sent) in self._totals(reply).items():
+            attached = self._attached.get(name)
             if attached is None:
                 continue
-            count = wire.tx_bytes - attached.tx_before - attached.link.received
-            most = max(most, count)
+            port = attached.port
+            count = sent - attached.tx_before - port.received
+            most = max(most, count * port.unit_weight)
             try:
-                attached.link.fetch(count)
+                port.fetch(count)
             except Exception as error:
-                raise SimulatorError(f"{wire.name}: {error}{self.replay()}") from error
+                raise SimulatorError(f"{name}: {error}{self.replay()}") from error
         self._pace(us, most)
 
     def _pace(self, us: int, count: int) -> None:
@@ -240,15 +282,18 @@ class Simulator:
             self._chunk_us = min(CHUNK_MAX_US, self._chunk_us * 2)
 
     @staticmethod
-    def _parse_wires(reply: Mapping[str, Any]) -> list[Wire]:
-        return [
-            Wire(name, str(w.get("address", "")), int(w["rx_bytes"]), int(w["tx_bytes"]))
-            for name, w in reply["wires"].items()
-        ]
+    def _totals(reply: Mapping[str, Any]) -> dict[str, tuple[int, int]]:
+        """What each wire (bytes) and each bus (frames) has received and sent."""
+        wires = {n: (int(w["rx_bytes"]), int(w["tx_bytes"])) for n, w in reply["wires"].items()}
+        buses = reply.get("buses", {}).items()
+        return wires | {n: (int(b["rx_frames"]), int(b["tx_frames"])) for n, b in buses}
 
     def wires(self) -> dict[str, Wire]:
         """Every wire by its name, with its actual address (a port 0 resolved)."""
-        return {wire.name: wire for wire in self._parse_wires(self.request("wires"))}
+        return {
+            name: Wire(name, str(wire["address"]), int(wire["rx_bytes"]), int(wire["tx_bytes"]))
+            for name, wire in self.request("wires")["wires"].items()
+        }
 
     def outputs(self) -> dict[str, Any]:
         """What the board puts out now: level, limit, gate, energy, temperature …"""
@@ -302,8 +347,9 @@ class Simulator:
         return link
 
     def detach(self, name: str) -> None:
-        """Closes the link attached to the wire `name`."""
-        self._attached.pop(name).link.close()
+        """Closes what is attached to the wire or bus `name`."""
+        self._attached.pop(name).port.close()
+        self._buses.pop(name, None)
         self._clients.pop(name, None)
 
     def open(self, name: str) -> Link:
@@ -321,14 +367,49 @@ class Simulator:
             raise SimulatorError(f"{name} is {wire.address}: it has no end to open here")
         return self.attach(name, link)
 
+    def bus(self, name: str = "can0") -> CanPort:
+        """This side's place on the light's CAN bus, attached; the same at every call. In lock-step
+        nobody else may be on that bus: any number of nodes share this place."""
+        if name not in self._buses:
+            info = self.request("buses")["buses"][name]
+            port = self._buses[name] = self._join(name)
+            self._attached[name] = _Attached(port, int(info["rx_frames"]), int(info["tx_frames"]))
+        return self._buses[name]
+
+    def _join(self, name: str) -> CanPort:
+        from .can_node import CanPort, open_bus
+
+        option = self.command[self.command.index(f"--{name}") + 1].partition(",")[0]
+        kind, _, rest = option.partition(":")
+        interface = "pharos-udp" if kind == "udp" else kind
+        return CanPort(open_bus(interface, rest, fd=True))
+
+    def node(self, node_id: int, name: str = "can0", *, fd: bool = False) -> DronecanNode:
+        """A DroneCAN node of this side on the bus `name`."""
+        from .can_node import DronecanNode
+
+        return DronecanNode(self.bus(name), self.now_us, node_id, fd=fd)
+
     def connect(
-        self, name: str = "uart0", source: Source | None = None, target: Target | None = None
+        self,
+        name: str = "uart0",
+        source: Source | None = None,
+        target: Target | None = None,
+        *,
+        tunnel: Tunnel | None = None,
     ) -> MavlinkConnection:
-        """A MAVLink client at the other end of the wire `name`. It speaks at least every
-        KEEP_ALIVE_US while time is advanced, as any station does: a light that listens on UDP
-        forgets peers that are silent."""
+        """A MAVLink client at the other end of the wire `name`, or on the bus `name`, through the
+        tunnel. It speaks at least every KEEP_ALIVE_US while time is advanced, as any station does:
+        a light that listens on UDP forgets peers that are silent."""
         if self.dialect is None:
             self.dialect = load_dialect(find_dialect(self.binary.parent))
-        client = MavlinkConnection(self.open(name), self, self.dialect, source, target)
-        self._clients[name] = client
+        link = self._tunnel(name, tunnel or Tunnel()) if name.startswith("can") else self.open(name)
+        client = MavlinkConnection(link, self, self.dialect, source, target)
+        self._clients.setdefault(name, []).append(client)
         return client
+
+    def _tunnel(self, name: str, tunnel: Tunnel) -> Link:
+        from .tunnel import TunnelLink
+
+        node = self.node(tunnel.own, name, fd=tunnel.fd)
+        return TunnelLink(node, tunnel.node, serial_id=tunnel.serial)

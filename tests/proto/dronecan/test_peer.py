@@ -14,11 +14,11 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-import dronecan  # type: ignore[import-untyped]
+import dronecan
 import pytest
 from dronecan import uavcan
-from dronecan.app.dynamic_node_id import CentralizedServer  # type: ignore[import-untyped]
-from dronecan.app.node_monitor import NodeMonitor  # type: ignore[import-untyped]
+from dronecan.app.dynamic_node_id import CentralizedServer
+from dronecan.app.node_monitor import NodeMonitor
 
 TOP = Path(__file__).resolve().parents[3]
 APP = TOP / "app"

@@ -1,0 +1,287 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The `pharos` command. Errors are one line on stderr, and the exit code tells their kind."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import os
+import sys
+from collections.abc import Callable, Sequence
+from importlib.metadata import PackageNotFoundError, version
+
+from ..connection import MavlinkConnection, Target
+from ..dialect import load_dialect
+from ..errors import PharosError, UsageError
+from ..light import Light
+from ..link import RealPacer, open_link
+from .shell import OK, USAGE, Printer, Shell, exit_code, parse
+
+INTERRUPTED = 130
+
+CODES = """exit codes: 0 done; 1 refused or failed; 2 not understood; 3 silent or unreachable"""
+
+MAIN = f"""\
+examples:
+  pharos shell udp:127.0.0.1:14550                     a prompt
+  pharos shell /dev/ttyUSB0,57600 -c 'on; brightness 40'
+  pharos shell 'dronecan:socketcan/can0?node=68' --json < commands.txt
+  pharos can nodes socketcan/can0                      who is on the bus
+
+{CODES}
+"""
+
+SHELL = f"""\
+URL is one of
+  udp:HOST:PORT                     a light that listens there (its wire is udpin:)
+  udpin:HOST:PORT                   listen for a light that sends there (udpout:)
+  tcp:HOST:PORT, tcpin:HOST:PORT    the same over TCP
+  pty:PATH, serial:DEVICE,BAUD      a terminal or a serial line; /dev/… alone will do
+  dronecan:INTERFACE/CHANNEL?node=N[&own=M][&serial=0][&fd=1][&bitrate=B]
+                                    node N through DroneCAN's tunnel; INTERFACE is python-can's:
+                                    socketcan, slcan, pharos-udp (no CHANNEL: the default bus) …
+
+example:
+  pharos shell udp:127.0.0.1:14550 -c 'on; strobe 2Hz 10; status'
+
+Without -c, commands are read from the terminal, or one line at a time from a pipe; the first that
+fails ends it. `pharos shell URL -c help` lists the commands.
+
+{CODES}
+"""
+
+BUS_HELP = "python-can's INTERFACE/CHANNEL; default: pharos-udp, the user-space bus"
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    args = _parser().parse_args(argv)
+    # python-can and dronecan log what they then raise.
+    logging.disable(logging.CRITICAL)
+    printer = Printer(sys.stdout, sys.stderr, args.json)
+    try:
+        return int(args.run(args, printer))
+    except PharosError as error:
+        printer.error(error)
+        return exit_code(error)
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except BrokenPipeError:
+        # Whoever read the output has had enough (head); nothing is left to flush at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return OK
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="pharos",
+        description="Talks to a Pharos light: over MAVLink (shell) and plain DroneCAN (can).",
+        epilog=MAIN,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"pharos {_version()}")
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    _add_shell(commands)
+    can = commands.add_parser(
+        "can",
+        help="look at a CAN bus, or command a light without MAVLink",
+        description="DroneCAN on any python-can bus.",
+        epilog="example:\n  pharos can nodes socketcan/can0\n\n" + CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    kinds = can.add_subparsers(metavar="COMMAND", required=True)
+    _add_monitor(kinds)
+    _add_nodes(kinds)
+    _add_light(kinds)
+    return parser
+
+
+def _add_shell(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    shell = commands.add_parser(
+        "shell",
+        help="switch, dim, strobe and watch a light over MAVLink",
+        description="Commands for a light, over any link.",
+        epilog=SHELL,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    shell.add_argument("url", metavar="URL", help="where the light is")
+    shell.add_argument("-c", dest="commands", metavar="COMMANDS", help="run these, ; between them")
+    shell.add_argument("--json", action="store_true", help="one JSON object per line")
+    shell.add_argument(
+        "--target", type=_target, metavar="SYS/COMP", help="which component, if there are several"
+    )
+    shell.add_argument(
+        "--timeout",
+        type=_seconds,
+        default=3.0,
+        metavar="S",
+        help="how long to wait for the light (default: 3)",
+    )
+    shell.set_defaults(run=_run_shell)
+
+
+def _add_bus(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("bus", metavar="BUS", nargs="?", default="pharos-udp", help=BUS_HELP)
+    parser.add_argument("--fd", action="store_true", default=None, help="CAN FD")
+    parser.add_argument("--json", action="store_true", help="one JSON object per line")
+
+
+def _add_monitor(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    monitor = kinds.add_parser(
+        "monitor",
+        help="show what goes over the bus, decoded",
+        description="Shows every transfer on the bus, decoded, until Ctrl-C. Sends nothing.",
+        epilog="example:\n  pharos can monitor socketcan/can0 --only NodeStatus",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    _add_bus(monitor)
+    monitor.add_argument("--frames", action="store_true", help="show each frame as well")
+    monitor.add_argument("--only", default="", metavar="TEXT", help="types that contain TEXT")
+    monitor.add_argument("--count", type=_positive, metavar="N", help="end after N transfers")
+    monitor.add_argument("--seconds", type=_seconds, metavar="S", help="end after S seconds")
+    monitor.set_defaults(run=_run_can("run_monitor"))
+
+
+def _add_nodes(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    nodes = kinds.add_parser(
+        "nodes",
+        help="list the nodes on the bus",
+        description="Lists every node that is heard, with its health, mode and versions.",
+        epilog="example:\n  pharos can nodes pharos-udp --seconds 5\n\n" + CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    _add_bus(nodes)
+    nodes.add_argument(
+        "--seconds", type=_seconds, default=2.5, metavar="S", help="listen so long (default: 2.5)"
+    )
+    _add_own(nodes)
+    nodes.set_defaults(run=_run_can("run_nodes"))
+
+
+def _add_light(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    light = kinds.add_parser(
+        "light",
+        help="command a light as a vehicle without MAVLink does",
+        description=(
+            "Sends LightsCommand, hardpoint.Command or actuator.ArrayCommand and waits for the\n"
+            "light's hardpoint.Status; or MAVLink through the tunnel."
+        ),
+        epilog="example:\n  pharos can light brightness 40 --bus socketcan/can0\n\n" + CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    light.add_argument("action", choices=("on", "off", "brightness"))
+    light.add_argument("percent", type=float, nargs="?", metavar="PERCENT")
+    light.add_argument("--bus", default="pharos-udp", metavar="BUS", help=BUS_HELP)
+    light.add_argument(
+        "--via",
+        choices=("lights", "hardpoint", "actuator", "tunnel"),
+        default="lights",
+        help="which message (default: lights)",
+    )
+    light.add_argument(
+        "--id",
+        type=int,
+        metavar="N",
+        help="light, hardpoint or actuator id (default: 254, 0, 9)",
+    )
+    light.add_argument("--node", type=int, metavar="N", help="the light's node")
+    light.add_argument("--fd", action="store_true", help="CAN FD")
+    light.add_argument("--json", action="store_true", help="one JSON object per line")
+    _add_own(light)
+    light.set_defaults(run=_run_can("run_light"))
+
+
+def _add_own(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--own", type=int, default=126, metavar="N", help="our own node id (default: 126)"
+    )
+
+
+# --- arguments ------------------------------------------------------------------------------------
+def _seconds(text: str) -> float:
+    value = float(text)
+    if not 0 < value < 1e6:
+        raise ValueError(text)
+    return value
+
+
+_seconds.__name__ = "number of seconds"  # argparse: "invalid number of seconds value: 'x'"
+
+
+def _positive(text: str) -> int:
+    value = int(text)
+    if value < 1:
+        raise ValueError(text)
+    return value
+
+
+_positive.__name__ = "positive number"
+
+
+def _target(text: str) -> Target:
+    system, _, component = text.partition("/")
+    target = Target(int(system), int(component))
+    if not (1 <= target.system <= 255 and 1 <= target.component <= 255):
+        raise ValueError(text)
+    return target
+
+
+_target.__name__ = "SYS/COMP"
+
+
+# --- running --------------------------------------------------------------------------------------
+def _run_can(name: str) -> Callable[[argparse.Namespace, Printer], int]:
+    def run(args: argparse.Namespace, printer: Printer) -> int:
+        from . import can  # loads all DSDL definitions: only when asked for
+
+        getattr(can, name)(args, printer)
+        return OK
+
+    return run
+
+
+def _run_shell(args: argparse.Namespace, printer: Printer) -> int:
+    lines = None if args.commands is None else parse(args.commands)
+    link = open_link(args.url)
+    with link:
+        light = Light(MavlinkConnection(link, RealPacer([link]), load_dialect()))
+        light.find(round(args.timeout * 1e6), args.target)
+        shell = Shell(light, printer)
+        if lines is not None:
+            for line in lines:
+                code = shell.run(line)
+                if code != OK or shell.is_done:
+                    return code
+            return OK
+        if sys.stdin.isatty() and sys.stdout.isatty():
+            from .prompt import Prompt
+
+            return Prompt(shell).run()
+        return run_piped(shell)
+
+
+def run_piped(shell: Shell) -> int:
+    """Lines from stdin, each as soon as it is there, up to the first that fails."""
+    for number, text in enumerate(sys.stdin, start=1):
+        try:
+            lines = parse(text)
+        except UsageError as error:
+            raise UsageError(f"line {number}: {error}") from None
+        for line in lines:
+            code = shell.run(line)
+            if code != OK or shell.is_done:
+                return code
+    return OK
+
+
+def _version() -> str:
+    try:
+        return version("pharos")
+    except PackageNotFoundError:
+        return "(not installed)"
+
+
+__all__ = ["USAGE", "main"]
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,292 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`pharos can`: what goes over a CAN bus, who is on it, and a light without MAVLink."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import can
+from dronecan import transport, uavcan
+
+from ..can_node import CanPort, DronecanNode, fields_of, open_bus
+from ..can_transfer import Transfer
+from ..connection import MavlinkConnection
+from ..dialect import load_dialect
+from ..errors import PharosError, SilentError, UsageError
+from ..light import Light
+from ..link import Pacer, RealPacer
+from ..tunnel import TunnelLink
+from .shell import Printer
+
+HEALTH = {0: "ok", 1: "warning", 2: "error", 3: "critical"}
+MODE = {0: "operational", 1: "initialization", 2: "maintenance", 3: "software update", 7: "offline"}
+# A command without an acknowledgement is repeated, as autopilots do.
+REPEAT_US = 200_000
+# hardpoint.Status comes at once when the lamp is switched, else each second.
+CONFIRM_US = 2_500_000
+
+
+def open_port(text: str, fd: bool) -> CanPort:
+    """BUS of the command line: INTERFACE or INTERFACE/CHANNEL."""
+    interface, _, channel = text.partition("/")
+    return CanPort(open_bus(interface, channel, fd=fd))
+
+
+# --- monitor --------------------------------------------------------------------------------------
+class Monitor:
+    """Prints transfers, and frames if asked for. Sends nothing."""
+
+    def __init__(self, node: DronecanNode, printer: Printer, frames: bool, only: str = "") -> None:
+        self._node = node
+        self._printer = printer
+        self._only = only.lower()
+        self._start_us = node.clock()
+        self.shown = 0
+        node.monitors.append(self._on_transfer)
+        if frames:
+            node.port.listeners.append(self._on_frame)
+
+    def _now_s(self) -> float:
+        return (self._node.clock() - self._start_us) / 1e6
+
+    def _on_frame(self, message: can.Message) -> None:
+        identifier = (
+            f"{message.arbitration_id:08X}"
+            if message.is_extended_id
+            else (f"{message.arbitration_id:03X}")
+        )
+        kind = "FD" if message.is_fd else "  "
+        text = f"{self._now_s():10.6f}  {identifier:>8} {kind} {bytes(message.data).hex(' ')}"
+        self._printer.fields(
+            text,
+            time=round(self._now_s(), 6),
+            id=message.arbitration_id,
+            extended=message.is_extended_id,
+            fd=message.is_fd,
+            data=bytes(message.data).hex(),
+        )
+
+    def _on_transfer(self, transfer: Transfer) -> None:
+        header = transfer.header
+        name = transfer.kind.full_name.removeprefix("uavcan.")
+        if self._only not in name.lower():
+            return
+        self.shown += 1
+        fields = fields_of(transfer.message)
+        to, suffix = "all", ""
+        if header.destination is not None:
+            to, suffix = str(header.destination), "?" if header.is_request else "!"
+        text = (
+            f"{self._now_s():10.6f}  {header.source or 'anonymous'} → {to}  {name}{suffix}  "
+            f"{json.dumps(fields, ensure_ascii=False)}"
+        )
+        self._printer.fields(
+            text,
+            time=round(self._now_s(), 6),
+            type=transfer.kind.full_name,
+            source=header.source,
+            destination=header.destination,
+            request=header.is_request if header.is_service else None,
+            priority=header.priority,
+            transfer_id=transfer.transfer_id,
+            fd=transfer.fd,
+            fields=fields,
+        )
+
+
+def run_monitor(args: argparse.Namespace, printer: Printer) -> None:
+    port = open_port(args.bus, True if args.fd is None else args.fd)
+    pacer = RealPacer([port])
+    node = DronecanNode(port, pacer.now_us, 0)
+    monitor = Monitor(node, printer, args.frames, args.only)
+    end = None if args.seconds is None else time.monotonic() + args.seconds
+    while args.count is None or monitor.shown < args.count:
+        left = 1.0 if end is None else end - time.monotonic()
+        if left <= 0:
+            break
+        pacer.pump(round(min(left, 1.0) * 1e6))
+    port.close()
+
+
+# --- nodes ----------------------------------------------------------------------------------------
+@dataclass
+class Seen:
+    """One node, and what it says about itself."""
+
+    node: int
+    status: Any
+    info: Any = None
+    asked: int = field(default=0)
+
+    def as_fields(self) -> dict[str, Any]:
+        status, info = self.status, self.info
+        fields = {
+            "node": self.node,
+            "health": HEALTH.get(int(status.health), str(status.health)),
+            "mode": MODE.get(int(status.mode), str(status.mode)),
+            "uptime_s": int(status.uptime_sec),
+            "vendor_code": int(status.vendor_specific_status_code),
+        }
+        if info is None:
+            return fields | {"name": None}
+        software, hardware = info.software_version, info.hardware_version
+        return fields | {
+            "name": str(info.name),
+            "software": f"{software.major}.{software.minor}",
+            "hardware": f"{hardware.major}.{hardware.minor}",
+            "unique_id": bytes(list(hardware.unique_id)).hex(),
+        }
+
+    def __str__(self) -> str:
+        fields = self.as_fields()
+        versions = (
+            f"software {fields['software']}, hardware {fields['hardware']}"
+            if (self.info is not None)
+            else "no answer to GetNodeInfo"
+        )
+        code = f", code {fields['vendor_code']}" if fields["vendor_code"] else ""
+        return (
+            f"{self.node:>3}  {fields['name'] or '?':<28} {fields['health']}, {fields['mode']}"
+            f"{code}, up {fields['uptime_s']} s, {versions}"
+        )
+
+
+def find_nodes(node: DronecanNode, pacer: Pacer, timeout_us: int) -> list[Seen]:
+    """Every node heard within the time, with its answer to GetNodeInfo."""
+    seen: dict[int, Seen] = {}
+
+    def on_status(transfer: Transfer) -> None:
+        source = transfer.header.source
+        entry = seen.setdefault(source, Seen(source, transfer.message))
+        entry.status = transfer.message
+        # NodeStatus comes at 1 Hz, so a lost question is asked again.
+        if entry.info is None and node.node_id:
+            request = uavcan.protocol.GetNodeInfo.Request()
+            node.request(request, source, lambda info: setattr(entry, "info", info))
+
+    node.subscribe(uavcan.protocol.NodeStatus, on_status)
+    end = node.clock() + timeout_us
+    while (left := end - node.clock()) > 0:
+        pacer.pump(min(left, 100_000))
+    return [seen[number] for number in sorted(seen)]
+
+
+def run_nodes(args: argparse.Namespace, printer: Printer) -> None:
+    port = open_port(args.bus, bool(args.fd))
+    pacer = RealPacer([port])
+    found = find_nodes(DronecanNode(port, pacer.now_us, args.own), pacer, round(args.seconds * 1e6))
+    port.close()
+    if not found:
+        raise SilentError(f"{port}: no node was heard within {args.seconds:g} s")
+    for entry in found:
+        printer.fields(str(entry), **entry.as_fields())
+
+
+# --- light ----------------------------------------------------------------------------------------
+def lights_command(light_id: int, ratio: float) -> Any:
+    """White of that brightness, 0 … 1, in RGB565."""
+    light = uavcan.equipment.indication.SingleLightCommand(light_id=light_id)
+    light.color.red = round(ratio * 31)
+    light.color.green = round(ratio * 63)
+    light.color.blue = round(ratio * 31)
+    return uavcan.equipment.indication.LightsCommand(commands=[light])
+
+
+def hardpoint_command(hardpoint_id: int, on: bool) -> Any:
+    return uavcan.equipment.hardpoint.Command(hardpoint_id=hardpoint_id, command=int(on))
+
+
+def actuator_command(actuator_id: int, ratio: float) -> Any:
+    """Brightness 0 … 1 as a servo's unitless position, −1 … 1."""
+    command = uavcan.equipment.actuator.Command(
+        actuator_id=actuator_id, command_type=0, command_value=2 * ratio - 1
+    )
+    return uavcan.equipment.actuator.ArrayCommand(commands=[command])
+
+
+def light_message(args: argparse.Namespace) -> Any:
+    """What to broadcast for `pharos can light`. UsageError: that way can't say that."""
+    ratio = {"on": 1.0, "off": 0.0}.get(args.action)
+    if ratio is None:
+        ratio = args.percent / 100
+    if args.via == "hardpoint":
+        if args.action == "brightness":
+            raise UsageError("a hardpoint is on or off; use --via lights, actuator or tunnel")
+        return hardpoint_command(args.id if args.id is not None else 0, ratio > 0)
+    if args.via == "actuator":
+        return actuator_command(args.id if args.id is not None else 9, ratio)
+    return lights_command(args.id if args.id is not None else 254, ratio)
+
+
+def run_light(args: argparse.Namespace, printer: Printer) -> None:
+    if (args.action == "brightness") != (args.percent is not None):
+        raise UsageError("can light: usage: on, off, or brightness PERCENT")
+    if args.percent is not None and not 0 <= args.percent <= 100:
+        raise UsageError(f"brightness {args.percent:g} is not within 0 … 100 %")
+    if args.via == "tunnel" and args.node is None:
+        raise UsageError("--via tunnel needs --node N; `pharos can nodes` lists the nodes")
+    message = None if args.via == "tunnel" else light_message(args)
+    port = open_port(args.bus, bool(args.fd))
+    pacer = RealPacer([port])
+    node = DronecanNode(port, pacer.now_us, args.own, fd=bool(args.fd))
+    try:
+        if message is None:
+            through_tunnel(args, node, pacer, printer)
+        else:
+            broadcast(args, node, pacer, message, printer)
+    finally:
+        port.close()
+
+
+def through_tunnel(
+    args: argparse.Namespace, node: DronecanNode, pacer: Pacer, printer: Printer
+) -> None:
+    link = TunnelLink(node, args.node)
+    light = Light(MavlinkConnection(link, pacer, load_dialect()))
+    light.find()
+    act: dict[str, Callable[[], None]] = {
+        "on": light.on,
+        "off": light.off,
+        "brightness": lambda: light.set_brightness(args.percent),
+    }
+    act[args.action]()
+    printer.fields("ok", command=args.action, ok=True, node=args.node)
+
+
+def broadcast(
+    args: argparse.Namespace, node: DronecanNode, pacer: Pacer, message: Any, printer: Printer
+) -> None:
+    """Sends, repeats, and waits for the light's hardpoint.Status that agrees."""
+    wanted_on = args.action == "on" or bool(args.percent)
+    answers: dict[int, bool] = {}
+
+    def on_status(transfer: Transfer) -> None:
+        if args.node is None or transfer.header.source == args.node:
+            answers[transfer.header.source] = bool(transfer.message.status)
+
+    node.subscribe(uavcan.equipment.hardpoint.Status, on_status)
+    end = node.clock() + CONFIRM_US
+    while wanted_on not in answers.values():
+        left = end - node.clock()
+        if left <= 0:
+            break
+        node.broadcast(message)
+        again = min(node.clock() + REPEAT_US, end)
+        while wanted_on not in answers.values() and (left := again - node.clock()) > 0:
+            pacer.pump(left)
+    if not answers:
+        raise SilentError(f"{node.port}: sent, but no light says hardpoint.Status")
+    agreeing = [number for number, on in sorted(answers.items()) if on == wanted_on]
+    if not agreeing:
+        state = "off" if wanted_on else "on"
+        who = ", ".join(map(str, sorted(answers)))
+        raise PharosError(f"node {who} stays {state}")
+    state = "on" if wanted_on else "off"
+    name = transport.get_dronecan_data_type(message).full_name
+    text = "\n".join(f"node {number} is {state}" for number in agreeing)
+    printer.fields(text, command=args.action, ok=True, type=name, nodes=agreeing, on=wanted_on)

@@ -1,0 +1,311 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The shell's commands: one table for running, help and completion."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from typing import IO, Any
+
+from ..errors import CommandError, PharosError, SilentError, UsageError
+from ..light import Light, Status
+
+OK, REFUSED, USAGE, SILENT = 0, 1, 2, 3
+
+_UNITS = {"": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6}
+
+
+def exit_code(error: PharosError) -> int:
+    """What the process ends with because of that error."""
+    from ..errors import LinkError, UrlError
+
+    if isinstance(error, (UsageError, UrlError)):
+        return USAGE
+    return SILENT if isinstance(error, (SilentError, LinkError)) else REFUSED
+
+
+class Printer:
+    """Text for people, or one JSON object per line; errors also in one line on `err`."""
+
+    def __init__(self, out: IO[str], err: IO[str], as_json: bool = False) -> None:
+        self._out = out
+        self._err = err
+        self.as_json = as_json
+
+    def fields(self, line: str, /, **fields: Any) -> None:
+        if self.as_json:
+            line = json.dumps(_without_nan(fields), ensure_ascii=False)
+        if line:
+            print(line, file=self._out, flush=True)
+
+    def error(self, error: PharosError, command: str = "") -> None:
+        text = f"{command}: {error}" if command else str(error)
+        if self.as_json:
+            fields: dict[str, Any] = {"command": command} if command else {}
+            if isinstance(error, CommandError):
+                fields["result"] = error.result
+            self.fields("", **fields, ok=False, error=str(error))
+        self._out.flush()
+        print(f"pharos: {text}", file=self._err, flush=True)
+
+
+def _without_nan(value: Any) -> Any:
+    """JSON has no NaN."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    if isinstance(value, dict):
+        return {name: _without_nan(item) for name, item in value.items()}
+    if isinstance(value, list):
+        return [_without_nan(item) for item in value]
+    return value
+
+
+@dataclass(frozen=True)
+class Command:
+    """`parse` turns the words after the name into an action; UsageError if they make no sense."""
+
+    usage: str
+    help: str
+    parse: Callable[[Sequence[str]], Callable[[Shell], None]]
+    words: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        return self.usage.split()[0]
+
+
+@dataclass(frozen=True)
+class Line:
+    """One command, understood but not run."""
+
+    name: str
+    run: Callable[[Shell], None]
+
+
+class Shell:
+    """Runs commands on a light. `is_done` after quit."""
+
+    def __init__(self, light: Light, printer: Printer) -> None:
+        self.light = light
+        self.printer = printer
+        self.is_done = False
+
+    def run(self, line: Line) -> int:
+        """Runs it, prints what came of it, and returns the exit code."""
+        try:
+            line.run(self)
+        except PharosError as error:
+            self.printer.error(error, line.name)
+            return exit_code(error)
+        finally:
+            self.print_texts()
+        return OK
+
+    def execute(self, text: str) -> int:
+        """Runs a line of commands with ; between them, up to the first that fails."""
+        try:
+            lines = parse(text)
+        except UsageError as error:
+            self.printer.error(error)
+            return USAGE
+        for line in lines:
+            code = self.run(line)
+            if code != OK or self.is_done:
+                return code
+        return OK
+
+    def print_texts(self) -> None:
+        """What the light said to people meanwhile."""
+        for text in self.light.texts:
+            self.printer.fields(f"light: {text}", event="text", text=text)
+        self.light.texts.clear()
+
+    def say_ok(self, name: str) -> None:
+        self.printer.fields("ok", command=name, ok=True)
+
+    def print_status(self, name: str, status: Status) -> None:
+        self.printer.fields(str(status), command=name, ok=True, **status.as_fields())
+
+
+def parse(text: str) -> list[Line]:
+    """Commands separated by ;. A # begins a comment. UsageError: nothing of it is understood."""
+    lines = []
+    for part in text.partition("#")[0].split(";"):
+        words = part.split()
+        if not words:
+            continue
+        command = COMMANDS.get(words[0]) or _ALIASES.get(words[0])
+        if command is None:
+            raise UsageError(f"'{words[0]}' is no command; `help` lists them")
+        try:
+            lines.append(Line(command.name, command.parse(words[1:])))
+        except UsageError as error:
+            hint = f"{error}; " if str(error) else ""
+            raise UsageError(f"{command.name}: {hint}usage: {command.usage}") from None
+    return lines
+
+
+# --- arguments ------------------------------------------------------------------------------------
+def _count(words: Sequence[str], low: int, high: int) -> None:
+    if not low <= len(words) <= high:
+        raise UsageError("")
+
+
+def _number(text: str, suffix: str = "") -> float:
+    try:
+        value = float(text.removesuffix(suffix) if suffix else text)
+    except ValueError:
+        raise UsageError(f"'{text}' is no number") from None
+    if not math.isfinite(value):
+        raise UsageError(f"'{text}' is no number")
+    return value
+
+
+def _period(text: str) -> float:
+    """Seconds from "0.5", "500ms", "2Hz"."""
+    match = re.fullmatch(r"([-+0-9.eE]+?)(s|ms|us|[hH]z)?", text)
+    if match is None:
+        raise UsageError(f"'{text}' is no period")
+    value, unit = _number(match[1]), match[2] or ""
+    if unit.lower() == "hz":
+        if value <= 0:
+            raise UsageError(f"'{text}' is no frequency")
+        return 1 / value
+    return value * _UNITS[unit]
+
+
+def _percent(text: str) -> float:
+    return _number(text, "%")
+
+
+# --- commands -------------------------------------------------------------------------------------
+def _switch(name: str, act: Callable[[Light], None]) -> Callable[[Sequence[str]], Any]:
+    def parse_it(words: Sequence[str]) -> Callable[[Shell], None]:
+        _count(words, 0, 0)
+        return _acting(name, act)
+
+    return parse_it
+
+
+def _acting(name: str, act: Callable[[Light], None]) -> Callable[[Shell], None]:
+    def run(shell: Shell) -> None:
+        act(shell.light)
+        shell.say_ok(name)
+
+    return run
+
+
+def _parse_brightness(words: Sequence[str]) -> Callable[[Shell], None]:
+    _count(words, 1, 1)
+    percent = _percent(words[0])
+    return _acting("brightness", lambda light: light.set_brightness(percent))
+
+
+def _parse_strobe(words: Sequence[str]) -> Callable[[Shell], None]:
+    _count(words, 1, 2)
+    if words[0] == "off":
+        _count(words, 1, 1)
+        return _acting("strobe", lambda light: light.set_strobe(0))
+    period = _period(words[0])
+    duty = _percent(words[1]) if len(words) == 2 else None
+    return _acting("strobe", lambda light: light.set_strobe(period, duty))
+
+
+def _parse_sync(words: Sequence[str]) -> Callable[[Shell], None]:
+    _count(words, 0, 1)
+    if words and words[0] not in ("on", "off"):
+        raise UsageError(f"'{words[0]}' is neither on nor off")
+    external = list(words) != ["off"]
+    return _acting("sync", lambda light: light.set_sync(external))
+
+
+def _parse_status(words: Sequence[str]) -> Callable[[Shell], None]:
+    _count(words, 0, 0)
+    return lambda shell: shell.print_status("status", shell.light.fetch_status())
+
+
+def _parse_watch(words: Sequence[str]) -> Callable[[Shell], None]:
+    _count(words, 0, 1)
+    if words and (not words[0].isdecimal() or int(words[0]) == 0):
+        raise UsageError(f"'{words[0]}' is no number of reports")
+    count = int(words[0]) if words else None
+
+    def run(shell: Shell) -> None:
+        left = count
+        try:
+            while left is None or left > 0:
+                shell.print_status("watch", shell.light.next_status())
+                shell.print_texts()
+                left = None if left is None else left - 1
+        except KeyboardInterrupt:
+            if count is not None:
+                raise
+
+    return run
+
+
+def _parse_info(words: Sequence[str]) -> Callable[[Shell], None]:
+    _count(words, 0, 0)
+
+    def run(shell: Shell) -> None:
+        info = shell.light.fetch_information()
+        target = shell.light.connection.target
+        text = (
+            f"{info.vendor_name} {info.model_name}, software {info.software_version}, "
+            f"hardware {info.hardware_version}, serial {info.serial_number or 'unknown'}, "
+            f"component {target.system}/{target.component}"
+        )
+        fields = {"system": target.system, "component": target.component, **asdict(info)}
+        shell.printer.fields(text, command="info", ok=True, **fields)
+
+    return run
+
+
+def _parse_help(words: Sequence[str]) -> Callable[[Shell], None]:
+    _count(words, 0, 1)
+    if words and words[0] not in COMMANDS:
+        raise UsageError(f"'{words[0]}' is no command")
+    chosen = [COMMANDS[words[0]]] if words else list(COMMANDS.values())
+    text = "\n".join(f"{command.usage:<28}{command.help}" for command in chosen)
+    names = {command.name: command.usage for command in chosen}
+    return lambda shell: shell.printer.fields(text, command="help", ok=True, usage=names)
+
+
+def _parse_quit(words: Sequence[str]) -> Callable[[Shell], None]:
+    _count(words, 0, 0)
+
+    def run(shell: Shell) -> None:
+        shell.is_done = True
+
+    return run
+
+
+COMMANDS: dict[str, Command] = {
+    command.name: command
+    for command in (
+        Command("on", "switch the lamp on", _switch("on", Light.on)),
+        Command("off", "switch the lamp off", _switch("off", Light.off)),
+        Command("brightness PERCENT", "0 … 100", _parse_brightness),
+        Command(
+            "strobe PERIOD [DUTY] | off",
+            "flash: 0.5, 500ms or 2Hz, lit for DUTY % of it; off: steady",
+            _parse_strobe,
+            ("off",),
+        ),
+        Command(
+            "sync [on|off]",
+            "let the sync input gate the lamp (on), or its own clock (off)",
+            _parse_sync,
+            ("on", "off"),
+        ),
+        Command("status", "what was commanded, temperature, errors", _parse_status),
+        Command("watch [N]", "each status as it comes, N or until Ctrl-C", _parse_watch),
+        Command("info", "maker, model, versions, serial number", _parse_info),
+        Command("help [COMMAND]", "this", _parse_help),
+        Command("quit", "leave (also exit, Ctrl-D)", _parse_quit),
+    )
+}
+_ALIASES = {"exit": COMMANDS["quit"], "?": COMMANDS["help"]}

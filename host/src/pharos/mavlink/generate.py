@@ -1,0 +1,1 @@
+../../../../app/proto/mavlink/generate.py
