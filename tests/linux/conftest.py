@@ -24,6 +24,7 @@ if not IN_GUEST:
     collect_ignore_glob = ["*"]
 else:
     sys.path.insert(0, str(ROOT / "host" / "src"))
+    sys.path.insert(0, str(ROOT / "tests" / "native"))
     from guest_light import GpioSim, Light
 
 BUILD = Path(os.environ.get("PHAROS_BUILD", ROOT / "build" / "native")).resolve()
