@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 #
-# make run     set up, build, and start the light with its shell (ARGS="--uart1 …" adds options)
+# make run     set up, build, and start the light with its shell; ARGS="…" replaces its wires
 # make test    set up, and run every test (tests/run.py; STAGES="unit system" picks some)
 # make build   build/native/pharos
 # make bench   the figures of README, from one run
@@ -11,7 +11,8 @@
 # make clean
 
 PRESET ?= native
-ARGS ?=
+# Where a ground station listens by default, and a port to connect to.
+ARGS ?= --uart0 udpout:127.0.0.1:14550 --uart1 tcpin:127.0.0.1:5770
 STAGES ?=
 FUZZ_RUNS ?= 10000000
 PYTHON = .venv/bin/python
@@ -20,7 +21,7 @@ PYTHON = .venv/bin/python
 
 build: setup
 	@test -f build/$(PRESET)/build.ninja || cmake --preset $(PRESET) --log-level=NOTICE
-	@cmake --build build/$(PRESET) -- --quiet
+	@cmake --build build/$(PRESET)
 
 run: build
 	@exec build/$(PRESET)/pharos $(ARGS)

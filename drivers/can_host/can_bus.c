@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "host/lockstep.h"
+#include "host/say.h"
 #include "kernel/port.h"
 
 /* --- injected faults ------------------------------------------------------------------------- */
@@ -269,8 +270,8 @@ void can_bus_error(struct can_bus *bus, const char *what, int error)
 	bus->kept.counts.errors++;
 	if (!bus->failing) {
 		bus->failing = true;
-		fprintf(stderr, "pharos: %s: %s: %s: %s; trying again\n", bus->name, bus->url, what,
-		        strerror(error));
+		host_say("%s: %s: %s: %s; trying again", bus->name, bus->url, what,
+		         strerror(error));
 	}
 }
 
@@ -298,7 +299,7 @@ void can_bus_works(struct can_bus *bus)
 	if (bus->failing) {
 		bus->failing = false;
 		bus->kept.counts.reconnects++;
-		fprintf(stderr, "pharos: %s: %s: works again\n", bus->name, bus->url);
+		host_say("%s: %s: works again", bus->name, bus->url);
 		can_bus_ready(bus);
 	}
 }

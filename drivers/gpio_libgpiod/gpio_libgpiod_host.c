@@ -10,12 +10,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "gpio_guard_host.h"
 #include "gpio_libgpiod.h"
 #include "host/carry.h"
 #include "host/clock.h"
 #include "host/control.h"
 #include "host/loop.h"
 #include "host/module.h"
+#include "host/say.h"
 #include "models/board.h"
 
 enum {
@@ -157,6 +159,7 @@ static void close_all(struct gpiochip *from)
 		mapped[role].line = NULL;
 	}
 	gpiochip_close(from);
+	guard_stop();
 }
 
 static void drive(enum role role, bool level, int64_t edge_us)
@@ -166,6 +169,26 @@ static void drive(enum role role, bool level, int64_t edge_us)
 }
 
 static void on_edge(struct loop_source *source, uint32_t events);
+
+/* In the guard. */
+static void make_safe(void)
+{
+	for (int role = 0; role < ROLE_COUNT; role++) {
+		if (mapped[role].line != NULL && roles[role].output) {
+			(void)gpiochip_set(mapped[role].line, false);
+		}
+	}
+}
+
+static int start_guard(struct host_error *error)
+{
+	const bool has_outputs =
+		mapped[ROLE_ENABLE].line != NULL || mapped[ROLE_STROBE].line != NULL;
+	const int rc = has_outputs ? guard_start(make_safe) : 0;
+
+	return rc == 0 ? 0
+	               : host_error_set(error, "no process to guard the lamp: %s", strerror(-rc));
+}
 
 /* All lines or none. */
 static int open_chip(struct host_error *error)
@@ -181,6 +204,10 @@ static int open_chip(struct host_error *error)
 			close_all(opened);
 			return -1;
 		}
+	}
+	if (start_guard(error) != 0) {
+		close_all(opened);
+		return -1;
 	}
 	chip = opened;
 	loop_timer_start(&check, CHECK_MS);
@@ -214,7 +241,7 @@ static void set_away(bool away)
 /* Any context: the device is told later, from the loop. */
 static void lose(int error)
 {
-	fprintf(stderr, "pharos: gpio: %s is lost: %s; trying again\n", path, strerror(error));
+	host_say("gpio: %s is lost: %s; trying again", path, strerror(error));
 	loop_timer_stop(&check);
 	close_all(chip);
 	chip = NULL;
@@ -225,6 +252,12 @@ static void lose(int error)
 
 static void on_check(struct loop_timer *timer)
 {
+	struct host_error error;
+
+	if (!guard_is_well() && start_guard(&error) != 0) {
+		lose(ECHILD);
+		return;
+	}
 	for (int role = 0; role < ROLE_COUNT; role++) {
 		if (mapped[role].line != NULL) {
 			const int level = gpiochip_get(mapped[role].line);
@@ -246,7 +279,7 @@ static void on_retry(struct loop_timer *timer)
 		set_away(true);
 	} else if (open_chip(&error) == 0) {
 		set_away(false);
-		fprintf(stderr, "pharos: gpio: %s is back\n", path);
+		host_say("gpio: %s is back", path);
 		return;
 	}
 	retry_ms = retry_ms == 0 ? RETRY_MIN_MS : 2 * retry_ms;
@@ -487,5 +520,6 @@ HOST_MODULE(gpio_module) = {
 	.options = options,
 	.ops = ops,
 	.start = start,
+	.save = guard_stop,
 	.stop = stop,
 };

@@ -8,10 +8,11 @@
 #include "host/reset.h"
 
 _Static_assert(RESET_PIN == RESET_CAUSE_PIN && RESET_SOFTWARE == RESET_CAUSE_SOFTWARE &&
-		       RESET_BROWNOUT == RESET_CAUSE_BROWNOUT && RESET_POR == RESET_CAUSE_POWER_ON &&
-		       RESET_WATCHDOG == RESET_CAUSE_WATCHDOG &&
-		       RESET_CPU_LOCKUP == RESET_CAUSE_FAULT,
-	       "host/reset.h has hwinfo's values");
+                       RESET_BROWNOUT == RESET_CAUSE_BROWNOUT &&
+                       RESET_POR == RESET_CAUSE_POWER_ON &&
+                       RESET_WATCHDOG == RESET_CAUSE_WATCHDOG &&
+                       RESET_CPU_LOCKUP == RESET_CAUSE_FAULT,
+               "host/reset.h has hwinfo's values");
 
 ssize_t hwinfo_get_device_id(uint8_t *buffer, size_t length)
 {
@@ -40,6 +41,6 @@ int hwinfo_clear_reset_cause(void)
 int hwinfo_get_supported_reset_cause(uint32_t *supported)
 {
 	*supported = RESET_PIN | RESET_SOFTWARE | RESET_BROWNOUT | RESET_POR | RESET_WATCHDOG |
-		     RESET_CPU_LOCKUP;
+	             RESET_CPU_LOCKUP;
 	return 0;
 }

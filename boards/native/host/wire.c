@@ -9,6 +9,7 @@
 #include "host/clock.h"
 #include "host/lockstep.h"
 #include "host/module.h"
+#include "host/say.h"
 #include "kernel/port.h"
 
 const struct wire_type *const wire_types[] = {
@@ -306,8 +307,8 @@ void wire_error(struct wire *wire, const char *what, int error)
 	wire->kept.counts.errors++;
 	if (!wire->failing) {
 		wire->failing = true;
-		fprintf(stderr, "pharos: %s: %s: %s: %s; trying again\n", wire->name, wire->url,
-		        what, strerror(error));
+		host_say("%s: %s: %s: %s; trying again", wire->name, wire->url, what,
+		         strerror(error));
 	}
 }
 
@@ -333,7 +334,7 @@ void wire_works(struct wire *wire)
 	if (wire->failing) {
 		wire->failing = false;
 		wire->kept.counts.reconnects++;
-		fprintf(stderr, "pharos: %s: %s: works again\n", wire->name, wire->url);
+		host_say("%s: %s: works again", wire->name, wire->url);
 	}
 }
 

@@ -35,7 +35,7 @@ static void end_threads(void *fixture)
 static void start_a(k_thread_entry_t entry)
 {
 	k_thread_create(&thread_a, stack_a, K_THREAD_STACK_SIZEOF(stack_a), entry, NULL, NULL, NULL,
-			PRIO_HIGH, 0, K_NO_WAIT);
+	                PRIO_HIGH, 0, K_NO_WAIT);
 }
 
 static void put(uint32_t value)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What only the native kernel has: interrupts raised by simulated devices, and stacks that are measured. */
+/* What only the native kernel has: interrupts raised by simulated devices, and stacks that are
+ * measured. */
 #include <native/irq.h>
 
 #include "helper.h"
@@ -37,7 +38,7 @@ static void begin(void *fixture)
 	helper_begin();
 	k_sem_init(&sem, 0, 1);
 	k_thread_create(&thread_a, stack_a, K_THREAD_STACK_SIZEOF(stack_a), take_and_note, NULL,
-			NULL, NULL, PRIO_HIGH, 0, K_NO_WAIT);
+	                NULL, NULL, PRIO_HIGH, 0, K_NO_WAIT);
 }
 
 static void end_threads(void *fixture)
@@ -107,7 +108,7 @@ ZTEST(kernel_irq, test_stack_use_is_measured)
 
 	k_thread_abort(&thread_a);
 	k_thread_create(&thread_a, stack_a, K_THREAD_STACK_SIZEOF(stack_a), use_stack, NULL, NULL,
-			NULL, PRIO_HIGH, 0, K_FOREVER);
+	                NULL, PRIO_HIGH, 0, K_FOREVER);
 	zassert_ok(k_thread_stack_space_get(&thread_a, &before));
 	k_thread_start(&thread_a);
 	zassert_ok(k_thread_stack_space_get(&thread_a, &after));

@@ -22,9 +22,9 @@ static void begin(void *fixture)
 	k_poll_signal_init(&signal_object);
 	k_poll_event_init(&events[0], K_POLL_TYPE_SEM_AVAILABLE, K_POLL_MODE_NOTIFY_ONLY, &sem);
 	k_poll_event_init(&events[1], K_POLL_TYPE_FIFO_DATA_AVAILABLE, K_POLL_MODE_NOTIFY_ONLY,
-			  &fifo);
+	                  &fifo);
 	k_poll_event_init(&events[2], K_POLL_TYPE_MSGQ_DATA_AVAILABLE, K_POLL_MODE_NOTIFY_ONLY,
-			  &msgq);
+	                  &msgq);
 	k_poll_event_init(&events[3], K_POLL_TYPE_SIGNAL, K_POLL_MODE_NOTIFY_ONLY, &signal_object);
 }
 
@@ -42,12 +42,12 @@ static void poll_once(void *p1, void *p2, void *p3)
 static void start_poller(void)
 {
 	k_thread_create(&thread_a, stack_a, K_THREAD_STACK_SIZEOF(stack_a), poll_once, NULL, NULL,
-			NULL, PRIO_HIGH, 0, K_NO_WAIT);
+	                NULL, PRIO_HIGH, 0, K_NO_WAIT);
 	helper_expect("");
 }
 
 static void expect_states(uint32_t sem_state, uint32_t fifo_state, uint32_t msgq_state,
-			  uint32_t signal_state)
+                          uint32_t signal_state)
 {
 	zassert_equal(events[0].state, sem_state);
 	zassert_equal(events[1].state, fifo_state);

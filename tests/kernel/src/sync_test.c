@@ -13,10 +13,10 @@ static struct k_event event;
 static volatile int result_a;
 
 static void start(struct k_thread *thread, k_thread_stack_t *stack, k_thread_entry_t entry,
-		  char letter, int prio)
+                  char letter, int prio)
 {
 	k_thread_create(thread, stack, HELPER_STACK_SIZE, entry, (void *)(uintptr_t)letter, NULL,
-			NULL, prio, 0, K_NO_WAIT);
+	                NULL, prio, 0, K_NO_WAIT);
 }
 
 static void begin(void *fixture)

@@ -28,13 +28,13 @@ static void note_sleep_note(void *p1, void *p2, void *p3)
 static k_tid_t start_a(k_thread_entry_t entry, char letter, int prio, k_timeout_t delay)
 {
 	return k_thread_create(&thread_a, stack_a, K_THREAD_STACK_SIZEOF(stack_a), entry,
-			       (void *)(uintptr_t)letter, NULL, NULL, prio, 0, delay);
+	                       (void *)(uintptr_t)letter, NULL, NULL, prio, 0, delay);
 }
 
 static k_tid_t start_b(k_thread_entry_t entry, char letter, int prio, k_timeout_t delay)
 {
 	return k_thread_create(&thread_b, stack_b, K_THREAD_STACK_SIZEOF(stack_b), entry,
-			       (void *)(uintptr_t)letter, NULL, NULL, prio, 0, delay);
+	                       (void *)(uintptr_t)letter, NULL, NULL, prio, 0, delay);
 }
 
 static void end_threads(void *fixture)
@@ -187,7 +187,7 @@ ZTEST(kernel_thread, test_wakeup_returns_the_rest)
 {
 	helper_begin();
 	k_thread_create(&thread_a, stack_a, K_THREAD_STACK_SIZEOF(stack_a), wake_after_sleep,
-			k_current_get(), NULL, NULL, PRIO_HIGH, 0, K_NO_WAIT);
+	                k_current_get(), NULL, NULL, PRIO_HIGH, 0, K_NO_WAIT);
 	zassert_within(k_msleep(100), 80, 1);
 }
 

@@ -69,7 +69,8 @@ ZTEST(kernel_time, test_absolute_sleep)
 }
 
 #ifdef CONFIG_BOARD_NATIVE
-/* Ten years: further than 2^64 / 10^12 s, where a product of µs and µs per second would overflow. */
+/* Ten years: further than 2^64 / 10^12 s, where a product of µs and µs per second would overflow.
+ */
 ZTEST(kernel_time, test_sleep_of_ten_years)
 {
 	const int64_t before = k_uptime_get();
@@ -158,8 +159,8 @@ ZTEST(kernel_time, test_conversions)
 {
 	zassert_equal(k_ms_to_ticks_ceil64(1000), CONFIG_SYS_CLOCK_TICKS_PER_SEC);
 	zassert_equal(k_ticks_to_ms_floor64(3 * CONFIG_SYS_CLOCK_TICKS_PER_SEC + 1), 3000);
-	zassert_equal(k_ticks_to_us_ceil64(1), (999999 + CONFIG_SYS_CLOCK_TICKS_PER_SEC) /
-						       CONFIG_SYS_CLOCK_TICKS_PER_SEC);
+	zassert_equal(k_ticks_to_us_ceil64(1),
+	              (999999 + CONFIG_SYS_CLOCK_TICKS_PER_SEC) / CONFIG_SYS_CLOCK_TICKS_PER_SEC);
 	/* 1 tick + 1 ns: up to 2, down to 1. */
 	const uint64_t ns = NSEC_PER_SEC / CONFIG_SYS_CLOCK_TICKS_PER_SEC + 1;
 
@@ -170,7 +171,7 @@ ZTEST(kernel_time, test_conversions)
 	zassert_equal(k_ns_to_ticks_near64(3 * (ns - 1) / 2), 2);
 	/* 100 years in ms: the intermediate product does not overflow. */
 	zassert_equal(k_ms_to_ticks_floor64(3155760000000ULL),
-		      3155760000ULL * CONFIG_SYS_CLOCK_TICKS_PER_SEC);
+	              3155760000ULL * CONFIG_SYS_CLOCK_TICKS_PER_SEC);
 }
 
 ZTEST_SUITE(kernel_time, NULL, NULL, begin, NULL, NULL);
