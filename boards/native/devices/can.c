@@ -192,11 +192,20 @@ int can_set_timing(const struct device *dev, const struct can_timing *timing)
 	return rc != 0 ? rc : CAN_API(dev)->set_timing(dev, timing);
 }
 
+static bool has_rate(const struct device *dev, uint32_t bitrate)
+{
+	return bitrate >= can_get_bitrate_min(dev) && bitrate <= can_get_bitrate_max(dev);
+}
+
 int can_set_bitrate(const struct device *dev, uint32_t bitrate)
 {
 	struct can_timing timing = {0};
-	const int off = can_calc_timing(dev, &timing, bitrate, 0);
+	int off;
 
+	if (!has_rate(dev, bitrate)) {
+		return -ENOTSUP;
+	}
+	off = can_calc_timing(dev, &timing, bitrate, 0);
 	if (off < 0) {
 		return off;
 	}
@@ -225,8 +234,12 @@ int can_set_timing_data(const struct device *dev, const struct can_timing *timin
 int can_set_bitrate_data(const struct device *dev, uint32_t bitrate_data)
 {
 	struct can_timing timing = {0};
-	const int off = can_calc_timing_data(dev, &timing, bitrate_data, 0);
+	int off;
 
+	if (!has_rate(dev, bitrate_data)) {
+		return -ENOTSUP;
+	}
+	off = can_calc_timing_data(dev, &timing, bitrate_data, 0);
 	if (off < 0) {
 		return off;
 	}

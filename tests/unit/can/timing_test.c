@@ -64,6 +64,10 @@ ZTEST(can_timing, test_out_of_range)
 	zassert_equal(can_calc_timing(can, &timing, 1000001, 0), -EINVAL);
 	zassert_equal(can_calc_timing(can, &timing, 125000, 1000), -EINVAL);
 	zassert_equal(can_calc_timing_data(can, &timing, 8000001, 0), -EINVAL);
+	zassert_equal(can_set_bitrate(can, can_get_bitrate_max(can) + 1), -ENOTSUP);
+	zassert_equal(can_set_bitrate(can, can_get_bitrate_min(can) - 1), -ENOTSUP);
+	zassert_equal(can_set_bitrate_data(can, can_get_bitrate_max(can) + 1), -ENOTSUP);
+	zassert_equal(can_set_bitrate(can, 1000001), -EINVAL);
 	/* 80 MHz is no multiple of 7 kHz */
 	zassert_equal(can_set_bitrate(can, 700000), -ENOTSUP);
 }

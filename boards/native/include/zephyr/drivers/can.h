@@ -230,8 +230,8 @@ int can_calc_timing(const struct device *dev, struct can_timing *res, uint32_t b
 /* -ENOTSUP: out of the controller's range. */
 int can_set_timing(const struct device *dev, const struct can_timing *timing);
 
-/* -EINVAL, -ENOTSUP: see can_calc_timing(); -ERANGE: the sample point would be off by more than
- * 5 %. */
+/* -ENOTSUP: not within the controller's rates, or its clock cannot make this one; -EINVAL: more
+ * than 1 Mbit/s (data phase: 8 Mbit/s); -ERANGE: the sample point would be off by more than 5 %. */
 int can_set_bitrate(const struct device *dev, uint32_t bitrate);
 
 #ifdef CONFIG_CAN_FD_MODE
