@@ -12,6 +12,7 @@ import re
 import shlex
 import subprocess
 import sys
+import textwrap
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -40,7 +41,7 @@ class Outcome:
 def run(*command: str | Path, env: dict[str, str] | None = None) -> tuple[int, str]:
     """Run a command at the root, show its output as it comes, and return (exit code, output)."""
     words = [str(word) for word in command]
-    print("$", shlex.join(words), flush=True)
+    print("$", textwrap.shorten(shlex.join(words), 200), flush=True)
     process = subprocess.Popen(
         words,
         cwd=ROOT,
@@ -59,12 +60,12 @@ def run(*command: str | Path, env: dict[str, str] | None = None) -> tuple[int, s
     return process.wait(), "".join(lines)
 
 
-def check(*command: str | Path) -> Outcome:
-    """A command that is one test: it passes when it exits 0."""
+def check(*command: str | Path, mend: str = "") -> Outcome:
+    """A command that is one test: it passes when it exits 0. mend: what to run when it does not."""
     code, _ = run(*command)
     if code == 0:
         return Outcome(passed=1)
-    return Outcome(failed=1, replay=shlex.join(str(word) for word in command))
+    return Outcome(failed=1, replay=mend or shlex.join(str(word) for word in command))
 
 
 def build(preset: str) -> Outcome:
@@ -114,9 +115,9 @@ def lint(_: argparse.Namespace) -> Outcome:
     scripts = ["make", ".ci/run", "boards/native/setup.sh"]
     python = ["host", "tests", "boards", "app", "docs"]
     return (
-        check("clang-format", "--dry-run", "-Werror", *tracked)
+        check("clang-format", "--dry-run", "-Werror", *tracked, mend="make format")
         + check(VENV / "ruff", "check", *python)
-        + check(VENV / "ruff", "format", "--check", *python)
+        + check(VENV / "ruff", "format", "--check", *python, mend="make format")
         + check(VENV / "mypy", "--config-file", "host/pyproject.toml", "host/src", "tests")
         + check("shellcheck", *scripts)
     )

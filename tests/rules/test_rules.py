@@ -289,7 +289,9 @@ def _core_objects() -> list[Path]:
 
 # What the compiler itself calls on a 32- or 64-bit machine, sanitizers' and coverage's included.
 # What a compiler adds of its own; clang makes bcmp of a memcmp that only asks for equality.
-COMPILER = re.compile(r"^(bcmp$|__asan_|__ubsan_|__stack_chk_|__gcov|__sanitizer|_GLOBAL_OFFSET_TABLE_)")
+COMPILER = re.compile(
+    r"^(bcmp$|__asan_|__ubsan_|__stack_chk_|__gcov|__sanitizer|_GLOBAL_OFFSET_TABLE_)"
+)
 
 
 def test_core_objects_need_only_memory_string_and_assert() -> None:
