@@ -8,6 +8,8 @@
 #include <zephyr/kernel.h>
 #include <zephyr/sys/ring_buffer.h>
 
+#include <pharos/compat.h>
+
 #include "threads/command.h"
 #include "threads/devices.h"
 #include "threads/link.h"

@@ -3,8 +3,8 @@
 
 #include "proto/mavlink/dialect.h"
 #include "proto/mavlink/internal.h"
+#include "proto/mavlink/real.h"
 
-#include <math.h>
 #include <stddef.h>
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "proto/mavlink/internal.h"
+#include "proto/mavlink/real.h"
 
-#include <math.h>
 #include <string.h>
 
 const struct mavlink_message_row *mavlink_message_find(const struct mavlink_component *component,

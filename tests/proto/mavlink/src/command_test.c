@@ -151,9 +151,9 @@ ZTEST(mavlink_command, test_identity_strings_are_cut_to_fit_and_end_with_zero)
 	service.identity = &wide;
 	zassert_equal(COMMAND(512, 396), MAV_RESULT_ACCEPTED);
 	sent_payload(1, 396, &basic, sizeof(basic));
-	zassert_str_equal(basic.vendor_name, "0123456789abcdef0123456789abcde");
-	zassert_str_equal(basic.model_name, "0123456789abcdef0123456789abcde");
-	zassert_str_equal(basic.software_version, "0123456789abcdef0123456");
+	zassert_equal(strcmp(basic.vendor_name, "0123456789abcdef0123456789abcde"), 0);
+	zassert_equal(strcmp(basic.model_name, "0123456789abcdef0123456789abcde"), 0);
+	zassert_equal(strcmp(basic.software_version, "0123456789abcdef0123456"), 0);
 	zassert_equal(basic.serial_number[0], 0);
 	zassert_equal(basic.serial_number[31], 0);
 }

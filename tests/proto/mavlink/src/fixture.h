@@ -10,8 +10,8 @@
 #include "proto/mavlink/endpoint.h"
 #include "proto/mavlink/framer.h"
 #include "proto/mavlink/illuminator_service.h"
+#include "proto/mavlink/real.h"
 
-#include <math.h>
 #include <string.h>
 
 #include <zephyr/ztest.h>

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What Zephyr names differently from 3.4 to 4.x, by its newest name. The one place for renames: a
+ * file that needs one includes this after Zephyr's own headers.
+ */
+#ifndef PHAROS_COMPAT_H_
+#define PHAROS_COMPAT_H_
+
+#include <zephyr/device.h>
+#include <zephyr/kernel.h>
+
+/* 4.1: the table of a driver's functions, put where the build can check its class. */
+#ifndef DEVICE_API
+#define DEVICE_API(class_, name_) const struct class_##_driver_api name_
+#endif
+
+/* 3.5: takes the block; before, the address of a pointer to it. ZV: see drivers/CMakeLists.txt. */
+#if defined(ZV) && ZV < 305
+#define k_mem_slab_free(slab_, block_)                                                             \
+	do {                                                                                       \
+		void *compat_block = (block_);                                                     \
+		(k_mem_slab_free)((slab_), &compat_block);                                         \
+	} while (false)
+#endif
+
+#endif

@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: Apache-2.0
+#
+# Before find_package(Zephyr): the module in this repository, and Zephyr's version for devicetree
+# overlays, as ZV: 304 for 3.4, 402 for 4.2.
+
+get_filename_component(PHAROS_ROOT ${CMAKE_CURRENT_LIST_DIR}/.. ABSOLUTE)
+list(APPEND ZEPHYR_EXTRA_MODULES ${PHAROS_ROOT})
+
+if(NOT DEFINED ZEPHYR_BASE)
+  set(ZEPHYR_BASE $ENV{ZEPHYR_BASE})
+endif()
+if(NOT ZEPHYR_BASE)
+  message(FATAL_ERROR "ZEPHYR_BASE is not set: build with west, or source zephyr-env.sh")
+endif()
+file(STRINGS ${ZEPHYR_BASE}/VERSION PHAROS_ZEPHYR_VERSION REGEX "^VERSION_(MAJOR|MINOR) *=")
+list(TRANSFORM PHAROS_ZEPHYR_VERSION REPLACE "[^0-9]" "")
+list(GET PHAROS_ZEPHYR_VERSION 0 PHAROS_ZEPHYR_MAJOR)
+list(GET PHAROS_ZEPHYR_VERSION 1 PHAROS_ZEPHYR_MINOR)
+math(EXPR PHAROS_ZV "${PHAROS_ZEPHYR_MAJOR} * 100 + ${PHAROS_ZEPHYR_MINOR}")
+list(APPEND DTS_EXTRA_CPPFLAGS "-DZV=${PHAROS_ZV}")
