@@ -43,8 +43,8 @@ struct can_udp {
 		int receiver_fd; /* 0: none */
 		int sender_fd;
 		uint16_t own_port; /* network order */
-		uint64_t
-			looped; /* own datagrams: the kernel counts each as dropped by the filter */
+		bool filtered;     /* ignore_own() works; then `looped`: */
+		uint64_t looped;   /* own datagrams, which the kernel counts as drops */
 	} kept;
 };
 
@@ -259,14 +259,17 @@ static enum can_host_result send_frame(struct can_bus *bus, const struct can_hos
 			return CAN_HOST_BUSY;
 		}
 	}
-	udp->kept.looped++;
+	udp->kept.looped += udp->kept.filtered ? 1 : 0;
 	return CAN_HOST_SENT;
 }
 
 /* --- opening --------------------------------------------------------------------------------- */
 
-/* Own frames come back, as to everybody: the kernel drops them before they wake anybody. */
-static int ignore_own(int fd, uint16_t own_port)
+/*
+ * Own frames come back, as to everybody: the kernel drops them before they wake anybody. Where it
+ * has no socket filters, read_some() does.
+ */
+static bool ignore_own(int fd, uint16_t own_port)
 {
 	struct sock_filter code[] = {
 		BPF_STMT(BPF_LD | BPF_H | BPF_ABS, 0), /* UDP header: source port */
@@ -276,7 +279,7 @@ static int ignore_own(int fd, uint16_t own_port)
 	};
 	const struct sock_fprog program = {.len = sizeof(code) / sizeof(code[0]), .filter = code};
 
-	return setsockopt(fd, SOL_SOCKET, SO_ATTACH_FILTER, &program, sizeof(program));
+	return setsockopt(fd, SOL_SOCKET, SO_ATTACH_FILTER, &program, sizeof(program)) == 0;
 }
 
 static int set(int fd, int level, int option, int value)
@@ -321,8 +324,8 @@ static bool open_receiver(struct can_udp *udp)
 	}
 	udp->kept.receiver_fd = fd;
 	(void)set(fd, SOL_SOCKET, SO_RCVBUF, SOCKET_BUFFER);
+	udp->kept.filtered = ignore_own(fd, udp->kept.own_port);
 	return set(fd, SOL_SOCKET, SO_REUSEADDR, 1) == 0 &&
-	       ignore_own(fd, udp->kept.own_port) == 0 &&
 	       bind(fd, (const struct sockaddr *)&udp->target, sizeof(udp->target)) == 0 &&
 	       (!is_multicast(udp) ||
 	        setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof(group)) == 0);

@@ -21,7 +21,7 @@ from pharos.can_udp import PharosUdpBus
 FD, ONE_SHOT, MANUAL = 4, 8, 32
 IDE, FDF, BRS = 1, 4, 8
 ACTIVE, WARNING, PASSIVE, BUS_OFF = range(4)
-EAGAIN, EBUSY, EIO, ENETUNREACH = 11, 16, 5, 101
+EAGAIN, EBUSY, ENETDOWN, ENETUNREACH = 11, 16, 100, 101
 
 
 def free_port() -> int:

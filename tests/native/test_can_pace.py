@@ -8,7 +8,7 @@ import re
 import can
 import pytest
 
-from can_node import EBUSY, FD, ONE_SHOT, NewNode, message, only
+from can_node import EBUSY, ENETDOWN, FD, ONE_SHOT, NewNode, message, only
 
 
 def stuffed(bits: str) -> str:
@@ -81,6 +81,22 @@ def test_a_bus_with_all_it_can_carry(node: NewNode) -> None:
     # All are waiting: the next second brings exactly what fits.
     heard = sum(len(only(light.advance(10_000)[0], "rx")) for _ in range(100))
     assert heard == per_second
+
+
+def test_stopping_in_the_middle_of_a_frame(node: NewNode) -> None:
+    light = node(bus="udp:CHANNEL,paced")
+    light.start(FD, 125_000)
+    light.send(message(1), message(2))
+    light.command("send 5 0 0 2")
+    light.advance(100)
+    light.command("stop")
+    said, frames = light.advance(10_000)
+    assert only(said, "sent") == [["5", str(-ENETDOWN)], ["6", str(-ENETDOWN)]]
+    assert only(said, "rx") == []
+    assert frames == []
+    light.start(FD, 125_000)
+    light.command("send 7 0 0 1")
+    assert [frame.arbitration_id for frame in light.advance(10_000)[1]] == [7]
 
 
 def test_fd_data_are_faster(node: NewNode) -> None:

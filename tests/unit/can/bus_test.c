@@ -310,6 +310,30 @@ ZTEST(can_bus, test_stopping_ends_what_waits)
 	zassert_equal(fake_bus.sent_count, MAILBOXES + 1);
 }
 
+ZTEST(can_bus, test_stopping_ends_recovery)
+{
+	fake_bus_force_off(0);
+	start(CAN_MODE_NORMAL);
+	zassert_equal(state(), CAN_STATE_ERROR_ACTIVE);
+	for (int i = 0; i < 96; i++) {
+		fake_bus_tell(CAN_HOST_STUFF_ERROR);
+	}
+	/* Recovery would have cleared the counters by now. */
+	k_sleep(K_MSEC(2));
+	zassert_equal(state(), CAN_STATE_ERROR_WARNING);
+	zassert_equal(counters().rx_err_cnt, 96);
+}
+
+ZTEST(can_bus, test_a_remote_frame_has_a_length_and_no_data)
+{
+	const struct can_frame frame = {.id = 1, .dlc = 2, .flags = CAN_FRAME_RTR, .data = {1, 2}};
+
+	zassert_ok(can_send(can, &frame, K_NO_WAIT, on_sent, NULL));
+	zassert_equal(fake_bus.sent[0].flags, CAN_HOST_REMOTE);
+	zassert_equal(fake_bus.sent[0].length, 2);
+	zassert_mem_equal(fake_bus.sent[0].data, "\0\0", 2);
+}
+
 ZTEST(can_bus, test_a_classic_node_does_not_hear_fd)
 {
 	struct can_frame frame;
