@@ -12,6 +12,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#define GPIOCHIP_CONSUMER "pharos" /* who the kernel says uses our lines */
+
 enum {
 	GPIOCHIP_NAME_SIZE = 64
 };

@@ -9,6 +9,7 @@
 #include <poll.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "gpio_guard_host.h"
 #include "gpio_libgpiod.h"
@@ -26,6 +27,8 @@ enum {
 	RETRY_MAX_MS = 5000,
 	CHECK_MS = 500,    /* a chip without inputs does not say that it goes */
 	KERNEL_QUEUE = 16, /* edges per line; the kernel drops further ones */
+	GUARD_TRIES = 50,  /* for the guard of a light that was killed just now to end */
+	GUARD_TRY_US = 20000,
 	EXIT_OPTION = 2,
 };
 
@@ -68,6 +71,7 @@ static char wanted[ROLE_COUNT][GPIOCHIP_NAME_SIZE];
 
 static struct gpiochip *chip; /* NULL: away */
 static struct mapped mapped[ROLE_COUNT];
+static bool is_ours; /* a line was in use, by another light or its guard */
 static struct loop_timer check;
 static struct loop_timer retry;
 static uint32_t retry_ms;
@@ -119,6 +123,7 @@ static int request_error(struct gpiochip *from, enum role role, unsigned int off
 		                      wanted[role], path, strerror(cause));
 	}
 	(void)gpiochip_describe(from, offset, &info);
+	is_ours = strcmp(info.consumer, GPIOCHIP_CONSUMER) == 0;
 	return host_error_set(error, "%s: line %s of %s is in use by %s", roles[role].name,
 	                      wanted[role], path, info.consumer[0] != '\0' ? info.consumer : "?");
 }
@@ -439,6 +444,7 @@ static int parse_gpio(const char *value, struct host_error *error)
 static int start(void)
 {
 	struct host_error error;
+	bool opened = false;
 
 	carry_register("gpio", &kept, sizeof(kept));
 	if (path[0] == '\0') {
@@ -451,7 +457,14 @@ static int start(void)
 	check.fire = on_check;
 	retry.fire = on_retry;
 	board_outside = follow;
-	if (open_chip(&error) == 0) {
+	for (int i = 0; !opened && (i == 0 || (is_ours && i < GUARD_TRIES)); i++) {
+		if (i > 0) {
+			usleep(GUARD_TRY_US);
+		}
+		is_ours = false;
+		opened = open_chip(&error) == 0;
+	}
+	if (opened) {
 		if (kept.away) {
 			set_away(false);
 		}

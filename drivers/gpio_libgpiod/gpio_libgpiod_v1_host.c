@@ -6,8 +6,6 @@
 #include <gpiod.h>
 #include <stdio.h>
 
-#define CONSUMER "pharos"
-
 /* The library's own objects serve as ours. */
 static struct gpiod_chip *chip_of(struct gpiochip *chip)
 {
@@ -82,7 +80,7 @@ struct gpiochip_line *gpiochip_output(struct gpiochip *chip, unsigned int offset
 	struct gpiod_line *line = gpiod_chip_get_line(chip_of(chip), offset);
 
 	if (line == NULL ||
-	    gpiod_line_request_output_flags(line, CONSUMER, flags_of(pull), level) != 0) {
+	    gpiod_line_request_output_flags(line, GPIOCHIP_CONSUMER, flags_of(pull), level) != 0) {
 		return NULL;
 	}
 	return our(line);
@@ -93,8 +91,8 @@ struct gpiochip_line *gpiochip_input(struct gpiochip *chip, unsigned int offset,
 {
 	struct gpiod_line *line = gpiod_chip_get_line(chip_of(chip), offset);
 
-	if (line == NULL ||
-	    gpiod_line_request_both_edges_events_flags(line, CONSUMER, flags_of(pull)) != 0) {
+	if (line == NULL || gpiod_line_request_both_edges_events_flags(line, GPIOCHIP_CONSUMER,
+	                                                               flags_of(pull)) != 0) {
 		return NULL;
 	}
 	return our(line);

@@ -7,8 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define CONSUMER "pharos"
-
 struct gpiochip_line {
 	unsigned int offset;
 	struct gpiod_line_request *request;
@@ -132,7 +130,7 @@ static struct gpiod_line_request *request(struct gpiochip *chip, unsigned int of
 
 	if (consumer != NULL && config != NULL &&
 	    gpiod_line_config_add_line_settings(config, &offset, 1, settings) == 0) {
-		gpiod_request_config_set_consumer(consumer, CONSUMER);
+		gpiod_request_config_set_consumer(consumer, GPIOCHIP_CONSUMER);
 		result = gpiod_chip_request_lines(chip->chip, consumer, config);
 		error = errno;
 	}

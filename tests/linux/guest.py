@@ -25,6 +25,7 @@ import subprocess
 import sys
 import tarfile
 import tempfile
+import threading
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -40,7 +41,6 @@ PACKAGES = (
     "can-utils", "gpiod", "libgpiod-dev", "iproute2",
 )  # fmt: skip
 MEMORY = "512M"
-BOOT_S = 60.0
 TEST_S = 300.0
 SKIP = "PHAROS_SKIP_GUEST"
 
@@ -155,22 +155,42 @@ def _status_of(share: Path) -> int | None:
         return None
 
 
-def _end(process: subprocess.Popen[bytes]) -> None:
+def _end(process: subprocess.Popen[str]) -> None:
     """The whole guest: each of its processes is one of the host's, in the same group."""
     with contextlib.suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
     process.wait()
 
 
+def _follow(process: subprocess.Popen[str], timeout_s: float) -> str:
+    """Shows its output as it comes, to its end or the time-out."""
+    lines = []
+    late = threading.Event()
+
+    def end() -> None:
+        late.set()
+        _end(process)
+
+    timer = threading.Timer(timeout_s, end)
+    timer.start()
+    try:
+        assert process.stdout is not None
+        for line in process.stdout:
+            print(line, end="", flush=True)
+            lines.append(line)
+    finally:
+        timer.cancel()
+        _end(process)
+    if late.is_set():
+        raise GuestError(f"the guest took longer than {timeout_s:.0f} s")
+    return "".join(lines)
+
+
 def run(
-    command: Sequence[str],
-    *,
-    env: Mapping[str, str] | None = None,
-    timeout_s: float = BOOT_S,
-    output: Path | None = None,
-) -> int:
-    """Runs command in a new guest at the root of the tree; its exit status. Output goes to output,
-    or is shown as it comes. GuestError: it did not get that far, or took too long."""
+    command: Sequence[str], *, env: Mapping[str, str] | None = None, timeout_s: float = TEST_S
+) -> tuple[int, str]:
+    """Runs command in a new guest, at the root of the tree. Its exit status and its output, which
+    is also shown as it comes. GuestError: it did not get that far, or took too long."""
     kernel = build_kernel()
     with tempfile.TemporaryDirectory(prefix="guest-") as folder:
         share = Path(folder)
@@ -180,30 +200,27 @@ def run(
             f"exec env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 "
             f"PHAROS_GUEST=1 PYTHONDONTWRITEBYTECODE=1 {words} {shlex.join(command)} 2>&1\n"
         )
+        # One CPU: what the guest's processes tell each other then never crosses two caches.
         arguments = [
+            "taskset", "-c", str(max(os.sched_getaffinity(0))),
             str(kernel), f"mem={MEMORY}", "root=/dev/root", "rootfstype=hostfs", "ro", "loglevel=0",
             f"init={HERE / 'init.sh'}", "con=null", "con0=null,fd:1", f"uml_dir={share}",
             f"SHARE={share}",
         ]  # fmt: skip
-        cpu = max(os.sched_getaffinity(0))
-        with (share / "kernel.log").open("wb") as log, open(output or os.devnull, "wb") as file:
+        with (share / "kernel.log").open("w") as log:
             process = subprocess.Popen(
-                ["taskset", "-c", str(cpu), *arguments], stdin=subprocess.DEVNULL,
-                stdout=file if output else None, stderr=log, start_new_session=True,
+                arguments, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=log, text=True,
+                errors="replace", start_new_session=True,
                 env={**os.environ, "TMPDIR": str(_memory_folder()), "HOME": folder},
             )  # fmt: skip
-            try:
-                process.wait(timeout_s)
-            except subprocess.TimeoutExpired as error:
-                raise GuestError(f"the guest took longer than {timeout_s:.0f} s") from error
-            finally:
-                _end(process)
+            output = _follow(process, timeout_s)
         status = _status_of(share)
         if status is None:
             text = (share / "kernel.log").read_text(errors="replace").strip()
             print(text)
-            raise GuestError(f"the guest ended early: {(text.splitlines() or ['no reason'])[-1]}")
-        return status
+            last = (text or output.strip() or "no reason").splitlines()[-1]
+            raise GuestError(f"the guest ended early: {last}")
+        return status, output
 
 
 # --- the light with libgpiod 2, which Debian 12 does not have ------------------------------------
@@ -256,15 +273,11 @@ def run_tests(build: Path, arguments: Sequence[str]) -> Result:
         install_packages()
         build_kernel()
         env = {"PHAROS_BUILD": str(build), "PHAROS_LIGHT2": str(build_light2())}
-        with tempfile.TemporaryDirectory(prefix="report-", dir=CACHE) as folder:
-            output = Path(folder, "output")
-            command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *arguments]
-            status = run([*command, "tests/linux"], env=env, timeout_s=TEST_S, output=output)
-            text = output.read_text(errors="replace")
+        command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *arguments]
+        status, text = run([*command, "tests/linux"], env=env)
     except GuestError as error:
         print(f"guest: {error}")
         return Result(failed=1, replay=replay, note=f"no guest: {error}")
-    print(text, end="")
     last = (text.strip().splitlines() or [""])[-1]
     passed = re.search(r"(\d+) passed", last)
     failed = sum(int(n) for n in re.findall(r"(\d+) (?:failed|error)", last))
@@ -298,7 +311,7 @@ def main() -> int:
             print(build_kernel())
             return 0
         if args.action == "run":
-            return run(args.command, timeout_s=args.timeout)
+            return run(args.command, timeout_s=args.timeout)[0]
     except GuestError as error:
         print(f"guest: {error}", file=sys.stderr)
         return 1

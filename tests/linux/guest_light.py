@@ -7,6 +7,7 @@ what never does.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import signal
@@ -42,6 +43,8 @@ class GpioSim:
         self._bank = self._folder / "gpio-bank0"
         self._lines = list(lines)
         self._bank.mkdir(parents=True)
+        self.label = name
+        (self._bank / "label").write_text(name)
         (self._bank / "num_lines").write_text(str(len(lines)))
         for number, line in enumerate(lines):
             (self._bank / f"line{number}").mkdir()
@@ -66,7 +69,10 @@ class GpioSim:
         self._folder.rmdir()
 
     def _attribute(self, line: str, name: str) -> Path:
-        return self._sysfs / f"sim_gpio{self._lines.index(line)}" / name
+        return self._sysfs / f"sim_gpio{self.number(line)}" / name
+
+    def number(self, line: str) -> int:
+        return self._lines.index(line)
 
     def value(self, line: str) -> int:
         return int(self._attribute(line, "value").read_text())
@@ -74,6 +80,24 @@ class GpioSim:
     def pull(self, line: str, level: int) -> None:
         """Moves an input, with an edge if that is a change."""
         self._attribute(line, "pull").write_text("pull-up" if level else "pull-down")
+
+
+class KeepingChip:
+    """A chip in front of one line of a GpioSim (gpio-aggregator). As those of most processors, it
+    keeps its last level when the process that had the line is gone."""
+
+    DRIVER = Path("/sys/bus/platform/drivers/gpio-aggregator")
+
+    def __init__(self, behind: GpioSim, line: str) -> None:
+        before = set(self.DRIVER.glob("gpio-aggregator.*"))
+        (self.DRIVER / "new_device").write_text(f"{behind.label} {behind.number(line)}")
+        (self._folder,) = set(self.DRIVER.glob("gpio-aggregator.*")) - before
+        (chip,) = self._folder.glob("gpiochip*")
+        self.device = f"/dev/{chip.name}"
+        until(self.device, lambda: Path(self.device).exists())
+
+    def remove(self) -> None:
+        (self.DRIVER / "delete_device").write_text(self._folder.name)
 
 
 class Light:
@@ -88,10 +112,20 @@ class Light:
                 stdin=subprocess.PIPE, stdout=console, stderr=stderr, cwd=folder,
             )  # fmt: skip
         self._console = folder / "console"
-        until("the control socket", lambda: control.exists() or self.process.poll() is not None)
+        try:
+            self._control = until("the control socket", lambda: self._connect(control))
+            until("a first sample", lambda: self.do("outputs")["limit_ppm"] > 0)
+        except BaseException:
+            self.process.kill()
+            self.process.wait(PATIENCE_S)
+            raise
+
+    def _connect(self, path: Path) -> ControlClient | None:
         assert self.process.poll() is None, self.errors()
-        self._control = ControlClient(str(control))
-        until("the shell", lambda: self.do("outputs")["limit_ppm"] > 0)
+        try:
+            return ControlClient(str(path))
+        except OSError:
+            return None
 
     def errors(self) -> str:
         return self.stderr.read_text()
@@ -100,7 +134,7 @@ class Light:
         return self._console.read_text(errors="replace")
 
     def do(self, op: str, **fields: Any) -> dict[str, Any]:
-        return self._control.request(op, **fields)
+        return dict(self._control.request(op, **fields))
 
     def line(self, name: str) -> int:
         return int(self.do("outputs")["lines"][name])
@@ -126,6 +160,15 @@ class Light:
         """Its exit status then; -number: it was killed by that signal."""
         self.process.send_signal(number)
         return self.process.wait(PATIENCE_S)
+
+    def guard(self) -> int:
+        """The process id of its guard; 0: it has none."""
+        for stat in Path("/proc").glob("[0-9]*/stat"):
+            with contextlib.suppress(OSError):  # it has ended meanwhile
+                pid, name, state, parent, *_ = stat.read_text().split()
+                if name == "(pharos-guard)" and state != "Z" and int(parent) == self.process.pid:
+                    return int(pid)
+        return 0
 
     def close(self) -> None:
         self._control.close()

@@ -3,15 +3,17 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 import gpiod
 import pytest
-from guest_light import PATIENCE_S, GpioSim, Light, until
+
+from guest_light import PATIENCE_S, GpioSim, KeepingChip, Light, until
 
 LINES = ("LAMP", "CAMERA", "SYNC", "BUTTON", "FAULT", "SPARE")
 
@@ -194,6 +196,66 @@ def test_lamp_is_off_however_the_light_ends(
     until("dark", lambda: chip.value("LAMP") == 0)
 
 
+@pytest.fixture
+def keeping_chip(chip: GpioSim) -> Iterator[KeepingChip]:
+    made = KeepingChip(chip, "LAMP")
+    yield made
+    made.remove()
+
+
+def test_chip_that_keeps_its_level_is_what_it_says(
+    chip: GpioSim, keeping_chip: KeepingChip
+) -> None:
+    """Otherwise the next test would prove nothing."""
+    subprocess.run(["gpioset", keeping_chip.device, "0=1"], check=True)
+    assert chip.value("LAMP") == 1
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSEGV, signal.SIGHUP])
+def test_lamp_is_off_on_a_chip_that_keeps_its_level(
+    start: Start, chip: GpioSim, keeping_chip: KeepingChip, number: signal.Signals
+) -> None:
+    light = start("--gpio", f"gpiochip:{keeping_chip.device},enable=0")
+    light.shell("light on")
+    until("lit", lambda: chip.value("LAMP") == 1)
+    assert light.signal(number) == -number
+    until("dark", lambda: chip.value("LAMP") == 0)
+
+
+def test_light_takes_the_lines_of_a_killed_one(start: Start, chip: GpioSim) -> None:
+    first = start(*options(chip, "enable=LAMP"))
+    guard = until("a guard", first.guard)
+    os.kill(guard, signal.SIGSTOP)
+    first.signal(signal.SIGKILL)
+    with gpiod.Chip(chip.device) as opened:
+        assert opened.get_line_info("LAMP").used, "by the guard, still"
+    os.kill(guard, signal.SIGCONT)
+    second = start(*options(chip, "enable=LAMP"))
+    second.shell("light on")
+    until("lit", lambda: chip.value("LAMP") == 1)
+
+
+def test_killed_guard_is_replaced(start: Start, chip: GpioSim, keeping_chip: KeepingChip) -> None:
+    light = start("--gpio", f"gpiochip:{keeping_chip.device},enable=0")
+    light.shell("light on")
+    until("lit", lambda: chip.value("LAMP") == 1)
+    first = until("a guard", light.guard)
+    os.kill(first, signal.SIGKILL)
+    until("another guard", lambda: light.guard() not in (0, first))
+    assert chip.value("LAMP") == 1
+    light.signal(signal.SIGKILL)
+    until("dark", lambda: chip.value("LAMP") == 0)
+
+
+def test_guard_ends_with_the_light_and_holds_no_pipe(start: Start, chip: GpioSim) -> None:
+    light = start(*options(chip, "enable=LAMP"))
+    guard = until("a guard", light.guard)
+    open_files = [os.readlink(fd) for fd in Path(f"/proc/{guard}/fd").iterdir()]
+    assert sorted(name.split("[")[0].split(":")[0] for name in open_files) == ["anon_inode", "pipe"]
+    assert light.signal(signal.SIGTERM) == 0
+    assert not Path(f"/proc/{guard}").exists()
+
+
 def test_reset_makes_the_lamp_dark_and_takes_the_lines_again(start: Start, chip: GpioSim) -> None:
     light = start(*options(chip, "enable=LAMP,button=BUTTON"))
     light.shell("light on")
@@ -219,7 +281,7 @@ def test_lost_chip_is_a_driver_fault_until_it_is_back(
     chip.unplug()
     until("the loss is seen", lambda: not light.do("gpiochip")["present"])
     until("a driver fault", lambda: "FAULT, 1 faults" in light.status())
-    assert light.errors().count("is lost") == 1
+    assert light.console().count("is lost") == 1
     # it goes on, also with commands
     light.shell("light off", "light on")
     until("on", lambda: light.do("outputs")["enable"] == 1)
@@ -228,7 +290,7 @@ def test_lost_chip_is_a_driver_fault_until_it_is_back(
     until("lit", lambda: chip.value("LAMP") == 1)
     until("no driver fault", lambda: "ok, 1 faults" in light.status())
     assert light.do("gpiochip")["losses"] == 1
-    assert light.errors().count("is back") == 1
+    assert light.console().count("is back") == 1
     assert light.signal(signal.SIGTERM) == 0
 
 
