@@ -2,6 +2,7 @@
 #define DT_DRV_COMPAT pharos_uart_polled
 
 #include <errno.h>
+#include <string.h>
 
 #include <zephyr/device.h>
 #include <zephyr/drivers/uart.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * C11's NAN and INFINITY, also where the C library's <math.h> lacks them, as Zephyr's minimal one.
+ * C11's NAN, INFINITY and isnan(), also where the C library's <math.h> lacks them, as Zephyr's
+ * minimal one.
  */
 #ifndef PHAROS_PROTO_MAVLINK_REAL_H
 #define PHAROS_PROTO_MAVLINK_REAL_H
@@ -13,6 +14,10 @@
 
 #ifndef INFINITY
 #define INFINITY __builtin_inff()
+#endif
+
+#ifndef isnan
+#define isnan(x) __builtin_isnan(x)
 #endif
 
 #endif
