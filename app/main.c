@@ -7,6 +7,7 @@
 #include <zephyr/kernel.h>
 #include <zephyr/logging/log.h>
 
+#include "threads/can_link.h"
 #include "threads/command.h"
 #include "threads/devices.h"
 #include "threads/inputs.h"
@@ -49,6 +50,9 @@ THREAD(uart_link0, CONFIG_PHAROS_LINK_STACK_SIZE);
 THREAD(uart_link1, CONFIG_PHAROS_LINK_STACK_SIZE);
 THREAD(uart_link2, CONFIG_PHAROS_LINK_STACK_SIZE);
 THREAD(uart_link3, CONFIG_PHAROS_LINK_STACK_SIZE);
+#ifdef CONFIG_CAN
+THREAD(can_link, CONFIG_PHAROS_LINK_STACK_SIZE);
+#endif
 THREAD(storage, CONFIG_PHAROS_STORAGE_STACK_SIZE);
 
 static const struct thread_row threads[] = {
@@ -56,6 +60,9 @@ static const struct thread_row threads[] = {
 	ROW(command, 3, command_run, NULL),           ROW(uart_link0, 4, uart_link_run, (void *)0),
 	ROW(uart_link1, 4, uart_link_run, (void *)1), ROW(uart_link2, 4, uart_link_run, (void *)2),
 	ROW(uart_link3, 4, uart_link_run, (void *)3), ROW(storage, 10, storage_run, NULL),
+#ifdef CONFIG_CAN
+	ROW(can_link, 4, can_link_run, NULL),
+#endif
 };
 
 static void start(const struct thread_row *row)

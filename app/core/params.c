@@ -65,6 +65,11 @@ static bool in_range(uint32_t index, int32_t value)
 	return value >= table[index].min && value <= table[index].max;
 }
 
+static bool is_read_only(uint32_t index)
+{
+	return (table[index].flags & PARAM_FLAG_READ_ONLY) != 0;
+}
+
 void params_init(struct params *self)
 {
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
@@ -107,7 +112,7 @@ static enum params_result decide(const struct params *self, uint32_t index, int3
 	if (index >= PARAM_COUNT) {
 		return PARAMS_UNKNOWN;
 	}
-	if ((table[index].flags & PARAM_FLAG_READ_ONLY) != 0) {
+	if (is_read_only(index)) {
 		return PARAMS_READ_ONLY;
 	}
 	if (!in_range(index, value)) {
@@ -151,12 +156,18 @@ static uint64_t to_default(struct params *self, uint32_t index)
 	return PARAM_MASK(index);
 }
 
+void params_tell(struct params *self, enum param_id id, int32_t value)
+{
+	PHAROS_ASSERT(is_read_only(id) && in_range(id, value));
+	self->values[id] = value;
+}
+
 uint64_t params_reset(struct params *self)
 {
 	uint64_t changed = 0;
 
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
-		changed |= to_default(self, i);
+		changed |= is_read_only(i) ? 0 : to_default(self, i);
 	}
 	return changed;
 }
@@ -166,6 +177,9 @@ uint64_t params_load(struct params *self, const int32_t values[PARAM_COUNT])
 	uint64_t repaired = 0;
 
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+		if (is_read_only(i)) {
+			continue;
+		}
 		self->values[i] = values[i];
 		if (!in_range(i, values[i])) {
 			repaired |= to_default(self, i);
@@ -189,6 +203,16 @@ uint64_t params_group_mask(enum param_group group)
 
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
 		mask |= (table[i].group == group) ? PARAM_MASK(i) : 0;
+	}
+	return mask;
+}
+
+uint64_t params_settable_mask(void)
+{
+	uint64_t mask = 0;
+
+	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+		mask |= is_read_only(i) ? 0 : PARAM_MASK(i);
 	}
 	return mask;
 }

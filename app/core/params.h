@@ -23,7 +23,7 @@
 #include <stdint.h>
 
 #define PARAM_FLAG_REBOOT    1u /* in force after the next reset */
-#define PARAM_FLAG_READ_ONLY 2u /* a build's property, told but not set */
+#define PARAM_FLAG_READ_ONLY 2u /* the device's own state, told but not set */
 
 /* Who must be told of a change. */
 enum param_group {
@@ -32,6 +32,7 @@ enum param_group {
 	PARAM_GROUP_SYNC,
 	PARAM_GROUP_MAVLINK,
 	PARAM_GROUP_ARBITER,
+	PARAM_GROUP_DRONECAN,
 };
 
 /* X(id, name, group, unit, min, max, default, flags, meaning) */
@@ -50,6 +51,8 @@ enum param_group {
 	  0, "How long after its last command that source outranks the others")                    \
 	X(LGT_SRC_EXCL, "LGT_SRC_EXCL", ARBITER, "", 0, 15, CONFIG_PHAROS_SOURCE_EXCLUDE, 0,       \
 	  "Sources that may not command: sum of 1 MAVLink, 2 DroneCAN, 4 IMC, 8 shell")            \
+	X(LGT_SRC_NOW, "LGT_SRC_NOW", ARBITER, "", 0, 5, 0, PARAM_FLAG_READ_ONLY,                  \
+	  "Source in command: as LGT_SRC_PRIO, 5 the fallback")                                    \
 	X(STRB_MIN_US, "STRB_MIN_US", LIGHT, "us", 1000, 60000000,                                 \
 	  CONFIG_PHAROS_STROBE_PERIOD_MIN_US, 0, "Shortest strobe period")                         \
 	X(STRB_MAX_US, "STRB_MAX_US", LIGHT, "us", 1000, 60000000,                                 \
@@ -100,7 +103,23 @@ enum param_group {
 	X(MAV_SYSID, "MAV_SYSID", MAVLINK, "", 0, 255, CONFIG_PHAROS_MAVLINK_SYSTEM_ID,            \
 	  PARAM_FLAG_REBOOT, "MAVLink system id, 0 adopts the vehicle's")                          \
 	X(MAV_COMPID, "MAV_COMPID", MAVLINK, "", 1, 255, CONFIG_PHAROS_MAVLINK_COMPONENT_ID,       \
-	  PARAM_FLAG_REBOOT, "MAVLink component id")
+	  PARAM_FLAG_REBOOT, "MAVLink component id")                                               \
+	X(CAN_NODE_ID, "CAN_NODE_ID", DRONECAN, "", 0, 125, CONFIG_PHAROS_CAN_NODE_ID,             \
+	  PARAM_FLAG_REBOOT, "DroneCAN node id, 0 asks the allocator")                             \
+	X(CAN_FD, "CAN_FD", DRONECAN, "", 0, 1, CONFIG_PHAROS_CAN_FD, PARAM_FLAG_REBOOT,           \
+	  "CAN FD: 0 no, 1 yes")                                                                   \
+	X(CAN_BITRATE, "CAN_BITRATE", DRONECAN, "bit/s", 10000, 1000000,                           \
+	  CONFIG_PHAROS_CAN_BITRATE, PARAM_FLAG_REBOOT, "Bit rate of the CAN bus")                 \
+	X(CAN_LIGHT_ID, "CAN_LIGHT_ID", DRONECAN, "", -1, 255, CONFIG_PHAROS_CAN_LIGHT_ID, 0,      \
+	  "Light id in LightsCommand that is ours, -1 none")                                       \
+	X(CAN_HARDPT_ID, "CAN_HARDPT_ID", DRONECAN, "", -1, 255, CONFIG_PHAROS_CAN_HARDPOINT_ID,   \
+	  0, "Hardpoint id that switches the light, -1 none")                                      \
+	X(CAN_ACT_BRT, "CAN_ACT_BRT", DRONECAN, "", 0, 255, CONFIG_PHAROS_CAN_ACTUATOR_BRIGHTNESS, \
+	  0, "Actuator id of the brightness, 0 none")                                              \
+	X(CAN_ACT_PAN, "CAN_ACT_PAN", DRONECAN, "", 0, 255, CONFIG_PHAROS_CAN_ACTUATOR_PAN, 0,     \
+	  "Actuator id of pan, 0 none")                                                            \
+	X(CAN_ACT_TILT, "CAN_ACT_TILT", DRONECAN, "", 0, 255, CONFIG_PHAROS_CAN_ACTUATOR_TILT, 0,  \
+	  "Actuator id of tilt, 0 none")
 
 #define PARAMS_ID(id, name, group, unit, min, max, fallback, flags, meaning) PARAM_##id,
 enum param_id {
@@ -160,17 +179,24 @@ enum params_result params_set(struct params *self, uint32_t index, int32_t value
 enum params_result params_set_by_name(struct params *self, const char *name, size_t length,
                                       int32_t value, uint64_t *changed);
 
-/* Back to the defaults, read-only ones too. Returns the mask of what changed. */
+/* A read-only one (asserted) is now this, within its range (asserted). */
+void params_tell(struct params *self, enum param_id id, int32_t value);
+
+/* Back to the defaults, except read-only ones. Returns the mask of what changed. */
 uint64_t params_reset(struct params *self);
 
 /*
  * A whole stored set at once, so that no order of single sets matters. A value out of range, and
- * every member of a rule that does not hold, become the default. Returns the mask of those.
+ * every member of a rule that does not hold, become the default. Read-only ones stay as they are.
+ * Returns the mask of what became the default.
  */
 uint64_t params_load(struct params *self, const int32_t values[PARAM_COUNT]);
 
 /* The parameters of a group, as a mask. */
 uint64_t params_group_mask(enum param_group group);
+
+/* Those that can be set, as a mask: what is worth storing. */
+uint64_t params_settable_mask(void);
 
 /* What the modules take. */
 void params_illuminator(const struct params *self, struct illuminator_config *config);

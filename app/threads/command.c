@@ -10,6 +10,7 @@
 #include <pharos/drivers/light.h>
 #include <pharos/drivers/probe.h>
 
+#include "threads/can_node.h"
 #include "threads/clock.h"
 #include "threads/devices.h"
 #include "threads/identity.h"
@@ -24,8 +25,10 @@ LOG_MODULE_REGISTER(command);
 
 enum item_kind {
 	ITEM_FRAME,
+	ITEM_CAN,
 	ITEM_THERMAL,
 	ITEM_CALL,
+	ITEM_WAKE,
 };
 
 /* A function to run in the command thread, on its caller's stack. */
@@ -40,6 +43,7 @@ struct item {
 	enum item_kind kind;
 	union {
 		struct link_frame *frame;
+		struct dronecan_frame *can;
 		struct thermal_report thermal;
 		struct call *call;
 	};
@@ -77,6 +81,7 @@ static void notice(const struct illuminator_notice *notice)
 	} else {
 		LOG_WRN("%s", illuminator_notice_text(notice->kind));
 	}
+	can_node_log(illuminator_notice_text(notice->kind));
 }
 
 static void perform_core(const struct illuminator_outbox *actions)
@@ -102,6 +107,7 @@ static void perform_core(const struct illuminator_outbox *actions)
 			storage_save_light(&command.illuminator.settings);
 		}
 	}
+	can_node_report(&command.illuminator);
 }
 
 /* State first, then its acknowledgement. */
@@ -181,8 +187,8 @@ static void configure_arbiter(void)
 	arbiter_configure(&command.arbiter, &config);
 }
 
-/* Tells those concerned, and stores. MAVLink's own parameters are in force after a reset. */
-static void params_changed(uint64_t changed)
+/* MAVLink's own parameters are in force after a reset. */
+void command_params_changed(struct command *self, uint64_t changed)
 {
 	if ((changed & params_group_mask(PARAM_GROUP_LIGHT)) != 0) {
 		configure_illuminator();
@@ -196,8 +202,11 @@ static void params_changed(uint64_t changed)
 	if ((changed & params_group_mask(PARAM_GROUP_ARBITER)) != 0) {
 		configure_arbiter();
 	}
+	if ((changed & params_group_mask(PARAM_GROUP_DRONECAN)) != 0) {
+		can_node_configure(&self->params);
+	}
 	if (changed != 0) {
-		storage_save_params(&command.params, changed);
+		storage_save_params(&self->params, changed);
 	}
 }
 
@@ -208,13 +217,13 @@ enum params_result command_set_param(struct command *self, const char *name, siz
 	const enum params_result result =
 		params_set_by_name(&self->params, name, length, value, &changed);
 
-	params_changed(changed);
+	command_params_changed(self, changed);
 	return result;
 }
 
 void command_reset_params(struct command *self)
 {
-	params_changed(params_reset(&self->params));
+	command_params_changed(self, params_reset(&self->params));
 }
 
 /* --- start ------------------------------------------------------------------------------------ */
@@ -273,6 +282,7 @@ void command_init(void)
 		LOG_ERR("the sync input does not work; external sync will time out");
 	}
 	init_mavlink(now_us);
+	can_node_init(&command);
 	show_settings();
 	if (has_light && command.params.values[PARAM_LGT_RESTORE] != 0) {
 		restore(&light);
@@ -286,6 +296,21 @@ int command_post_frame(struct link_frame *frame)
 	const struct item item = {.kind = ITEM_FRAME, .frame = frame};
 
 	return k_msgq_put(&queue, &item, K_MSEC(SUPERVISOR_REPORT_MS));
+}
+
+int command_post_can(struct dronecan_frame *frame)
+{
+	const struct item item = {.kind = ITEM_CAN, .can = frame};
+
+	return k_msgq_put(&queue, &item, K_MSEC(SUPERVISOR_REPORT_MS));
+}
+
+/* With a full queue it is awake, and looks after the next item. */
+void command_wake(void)
+{
+	const struct item item = {.kind = ITEM_WAKE};
+
+	(void)k_msgq_put(&queue, &item, K_NO_WAIT);
 }
 
 void command_post_thermal(const struct thermal_report *report)
@@ -328,15 +353,24 @@ static void take_thermal(const struct thermal_report *report)
 	step_core(&event);
 }
 
+void command_take_frame(struct command *self, uint8_t link, const uint8_t *bytes, size_t length)
+{
+	stats.frames++;
+	mavlink_endpoint_receive(&self->mavlink, clock_now_us(), link, bytes, length, &out);
+	perform();
+}
+
 static void take(const struct item *item)
 {
 	switch (item->kind) {
 	case ITEM_FRAME:
-		stats.frames++;
-		mavlink_endpoint_receive(&command.mavlink, clock_now_us(), item->frame->link,
-		                         item->frame->bytes, item->frame->length, &out);
+		command_take_frame(&command, item->frame->link, item->frame->bytes,
+		                   item->frame->length);
 		link_frame_free(item->frame);
-		perform();
+		break;
+	case ITEM_CAN:
+		stats.can_frames++;
+		can_node_take(&command, item->can);
 		break;
 	case ITEM_THERMAL:
 		take_thermal(&item->thermal);
@@ -346,7 +380,15 @@ static void take(const struct item *item)
 		item->call->result = item->call->function(&command, item->call->argument);
 		k_sem_give(&item->call->done);
 		break;
+	case ITEM_WAKE:
+		break;
 	}
+}
+
+/* LGT_SRC_NOW, for whoever reads parameters. */
+static void show_commander(void)
+{
+	params_tell(&command.params, PARAM_LGT_SRC_NOW, (int32_t)command.arbiter.commander);
 }
 
 /* Everything that is due by itself: streams, and what happens when every commander is silent. */
@@ -372,8 +414,9 @@ static void step_due(void)
 void command_run(void *p1, void *p2, void *p3)
 {
 	for (;;) {
-		const int64_t deadline_us = MIN(arbiter_deadline_us(&command.arbiter),
-		                                mavlink_endpoint_deadline_us(&command.mavlink));
+		const int64_t core_us = MIN(arbiter_deadline_us(&command.arbiter),
+		                            mavlink_endpoint_deadline_us(&command.mavlink));
+		const int64_t deadline_us = MIN(core_us, can_node_deadline_us());
 		const int64_t report_us = clock_now_us() + SUPERVISOR_REPORT_MS * US_PER_MS;
 		struct item item;
 
@@ -381,6 +424,8 @@ void command_run(void *p1, void *p2, void *p3)
 			take(&item);
 		}
 		step_due();
+		show_commander();
+		can_node_step(&command);
 		supervisor_report(SUPERVISOR_COMMAND);
 	}
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The command thread owns all protocol state and the core state that commands change, so nothing in
- * it needs a lock. Others reach it through its queue: frames, thermal reports, and calls that run a
- * function inside it.
+ * it needs a lock. Others reach it through its queue: MAVLink and CAN frames, thermal reports, and
+ * calls that run a function inside it.
  */
 #ifndef PHAROS_THREADS_COMMAND_H
 #define PHAROS_THREADS_COMMAND_H
@@ -17,6 +17,8 @@
 #include "proto/mavlink/illuminator_service.h"
 #include "threads/link.h"
 
+struct dronecan_frame;
+
 /* What the command thread owns. Only a function given to command_call() may touch it. */
 struct command {
 	struct illuminator illuminator;
@@ -27,6 +29,7 @@ struct command {
 
 struct command_stats {
 	uint32_t frames;
+	uint32_t can_frames;
 	uint32_t thermal_reports;
 	uint32_t calls;
 	uint32_t reports_dropped; /* the queue was full: the next report comes in 100 ms */
@@ -40,6 +43,12 @@ void command_init(void);
  * period; -EAGAIN: none came, the frame stays the caller's. Link threads.
  */
 int command_post_frame(struct link_frame *frame);
+
+/* The same with a CAN frame of the CAN thread's pool. */
+int command_post_can(struct dronecan_frame *frame);
+
+/* Something that the command thread waits for may have happened: it looks. Any context. */
+void command_wake(void);
 
 /* Never waits; a full queue drops the report and counts. Thermal thread. */
 void command_post_thermal(const struct thermal_report *report);
@@ -65,6 +74,12 @@ enum arbiter_verdict command_apply(struct command *command, enum arbiter_source 
 enum params_result command_set_param(struct command *command, const char *name, size_t length,
                                      int32_t value);
 void command_reset_params(struct command *command);
+
+/* The same, of a mask of parameters that have already been changed. */
+void command_params_changed(struct command *command, uint64_t changed);
+
+/* From functions that run in the command thread: a verified MAVLink frame has come on a link. */
+void command_take_frame(struct command *command, uint8_t link, const uint8_t *bytes, size_t length);
 
 /* Counters; any thread. */
 struct command_stats command_stats_get(void);

@@ -9,11 +9,18 @@
 
 LOG_MODULE_REGISTER(devices);
 
+#ifdef CONFIG_CAN
+#define CAN_LINK DEVICE_DT_GET_OR_NULL(DT_ALIAS(can_link0))
+#else
+#define CAN_LINK NULL
+#endif
+
 const struct devices devices = {
 	.light = DEVICE_DT_GET(DT_ALIAS(light0)),
 	.thermistor = DEVICE_DT_GET(DT_ALIAS(thermistor0)),
 	.watchdog = DEVICE_DT_GET(DT_ALIAS(watchdog0)),
 	.probe = DEVICE_DT_GET_OR_NULL(DT_ALIAS(probe0)),
+	.can_link = CAN_LINK,
 	.edge_time = DEVICE_DT_GET_OR_NULL(DT_ALIAS(edge_time0)),
 	.uart_links =
 		{
@@ -42,6 +49,7 @@ int devices_check(void)
 		devices.light,         devices.thermistor,    devices.watchdog,
 		devices.probe,         devices.uart_links[0], devices.uart_links[1],
 		devices.uart_links[2], devices.uart_links[3], devices.sync_input.port,
+		devices.can_link,
 	};
 	int error = 0;
 

@@ -17,6 +17,7 @@ struct devices {
 	const struct device *watchdog;
 	const struct device *probe;                      /* NULL: the board has none */
 	const struct device *uart_links[UART_LINKS_MAX]; /* NULL: not on this board */
+	const struct device *can_link;                   /* NULL: the board has none */
 	const struct device *edge_time;                  /* NULL: the board has none */
 	struct gpio_dt_spec sync_input;                  /* .port NULL: not on this board */
 	struct gpio_dt_spec button;                      /* the same */

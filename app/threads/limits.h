@@ -8,8 +8,15 @@
 
 #include "proto/mavlink/framer.h"
 
+/* MAVLink's links: the UARTs, then the tunnels over CAN. */
 #define UART_LINKS_MAX 4
-#define LINKS_MAX      UART_LINKS_MAX
+#define TUNNEL_LINK0   UART_LINKS_MAX
+#ifdef CONFIG_CAN
+#define TUNNEL_LINKS_MAX CONFIG_PHAROS_CAN_TUNNELS
+#else
+#define TUNNEL_LINKS_MAX 0
+#endif
+#define LINKS_MAX (UART_LINKS_MAX + TUNNEL_LINKS_MAX)
 
 /* Bytes of a UART's receive ring: 22 ms at 921600 baud. */
 #define UART_RX_RING_SIZE 2048
@@ -17,12 +24,21 @@
 #define UART_TX_RING_SIZE 2048
 
 /* Frames between the link threads and the command thread; a full pool makes a link thread wait. */
-#define LINK_FRAMES_MAX   8
+#define LINK_FRAMES_MAX 8
+/* CAN frames on the same way. */
+#ifdef CONFIG_CAN
+#define CAN_FRAMES_MAX 8
+#else
+#define CAN_FRAMES_MAX 0
+#endif
 /* Requests to the command thread: every frame, and a few reports and calls besides. */
-#define COMMAND_QUEUE_MAX 16
+#define COMMAND_QUEUE_MAX    (LINK_FRAMES_MAX + CAN_FRAMES_MAX + 8)
+/* What the light listens to on CAN: DroneCAN's messages and services. */
+#define CAN_LINK_FILTERS_MAX 8
 
 _Static_assert(LINKS_MAX <= MAVLINK_LINKS_MAX, "the endpoint knows every link");
-_Static_assert(COMMAND_QUEUE_MAX > LINK_FRAMES_MAX, "frames leave room for reports and calls");
+_Static_assert(COMMAND_QUEUE_MAX > LINK_FRAMES_MAX + CAN_FRAMES_MAX,
+               "frames leave room for reports and calls");
 _Static_assert(UART_TX_RING_SIZE >= 4 * (MAVLINK_FRAME_MAX + 2), "an answer and its streams fit");
 
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Links carry MAVLink frames and know no meaning. A frame received goes to the command thread in a
- * buffer of the pool; a frame sent is copied whole into the link's queue, or refused and counted.
+ * Links carry MAVLink frames and know no meaning: UARTs, and the tunnels over CAN. A frame received
+ * on a UART goes to the command thread in a buffer of the pool; a frame sent is copied whole into
+ * the link's queue, or refused and counted. Nothing is sent to a tunnel that nobody has opened.
  */
 #ifndef PHAROS_THREADS_LINK_H
 #define PHAROS_THREADS_LINK_H
@@ -35,16 +36,13 @@ struct link_stats {
  */
 int link_send(uint8_t link, const uint8_t *frame, size_t length);
 
-/* Free bytes in the send queue; 0 when there is no such link. Command thread only. */
-size_t link_space(uint8_t link);
-
-/* Bit per link that exists on this board. */
+/* Bit per link that is always there: the UARTs of this board. Tunnels come and go. */
 uint32_t link_mask(void);
 
 /* Counters of a link. Any thread. -ENODEV: no such link. */
 int link_stats_get(uint8_t link, struct link_stats *stats);
 
-/* Short name of an existing link, "uart0", … */
+/* Short name of a link, "uart0", "tunnel0", … */
 const char *link_name(uint8_t link);
 
 /* Gives a received frame's buffer back to the pool. Command thread only. */

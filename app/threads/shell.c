@@ -22,6 +22,7 @@
 #include "threads/inputs.h"
 #include "threads/link.h"
 #include "threads/reset_cause.h"
+#include "threads/shell_can.h"
 #include "threads/strobe.h"
 #include "threads/thermal.h"
 #include "version.h"
@@ -92,6 +93,11 @@ static int copy_illuminator(struct command *command, void *argument)
 {
 	*(struct illuminator *)argument = command->illuminator;
 	return 0;
+}
+
+static int commander(struct command *command, void *argument)
+{
+	return (int)command->arbiter.commander;
 }
 
 /* The CONFIGURE event that keeps everything as it is. */
@@ -199,6 +205,8 @@ static int cmd_light_status(const struct shell *sh, size_t argc, char **argv)
 		print_fixed(sh, "strobe duty", now.settings.duty_ppm, PPM_PER_PERCENT_DECIMALS,
 		            "%");
 	}
+	shell_print(sh, "%-14s%s", "commander",
+	            arbiter_source_name((enum arbiter_source)command_call(commander, NULL)));
 	print_fixed(sh, "limit", light.limit_ppm, PPM_PER_PERCENT_DECIMALS, "% of full power");
 	print_fixed(sh, "output now", light.output_ppm, PPM_PER_PERCENT_DECIMALS,
 	            "% of full power");
@@ -282,10 +290,13 @@ static int cmd_link_stats(const struct shell *sh, size_t argc, char **argv)
 	for (uint8_t link = 0; link < LINKS_MAX; link++) {
 		print_link(sh, link);
 	}
+	shell_can_print(sh);
 	const struct command_stats stats = command_stats_get();
 
-	shell_print(sh, "command frames %u, thermal reports %u (%u dropped), calls %u",
-	            stats.frames, stats.thermal_reports, stats.reports_dropped, stats.calls);
+	shell_print(sh,
+	            "command frames %u, CAN frames %u, thermal reports %u (%u dropped), calls %u",
+	            stats.frames, stats.can_frames, stats.thermal_reports, stats.reports_dropped,
+	            stats.calls);
 	return 0;
 }
 

@@ -114,7 +114,7 @@ static struct uart_link *find(uint8_t link)
 	return link < UART_LINKS_MAX && devices.uart_links[link] != NULL ? &links[link] : NULL;
 }
 
-int link_send(uint8_t number, const uint8_t *frame, size_t length)
+int uart_link_send(uint8_t number, const uint8_t *frame, size_t length)
 {
 	struct uart_link *const link = find(number);
 	const uint16_t prefix = (uint16_t)length;
@@ -136,24 +136,7 @@ int link_send(uint8_t number, const uint8_t *frame, size_t length)
 	return 0;
 }
 
-size_t link_space(uint8_t number)
-{
-	struct uart_link *const link = find(number);
-
-	return link == NULL ? 0 : ring_buf_space_get(&link->tx);
-}
-
-uint32_t link_mask(void)
-{
-	uint32_t mask = 0;
-
-	for (uint8_t number = 0; number < LINKS_MAX; number++) {
-		mask |= find(number) != NULL ? BIT(number) : 0;
-	}
-	return mask;
-}
-
-int link_stats_get(uint8_t number, struct link_stats *stats)
+int uart_link_stats_get(uint8_t number, struct link_stats *stats)
 {
 	struct uart_link *const link = find(number);
 
@@ -166,13 +149,6 @@ int link_stats_get(uint8_t number, struct link_stats *stats)
 	stats->framer = link->framer.stats;
 	irq_unlock(key);
 	return 0;
-}
-
-const char *link_name(uint8_t number)
-{
-	static const char *const names[UART_LINKS_MAX] = {"uart0", "uart1", "uart2", "uart3"};
-
-	return names[number];
 }
 
 void link_frame_free(struct link_frame *frame)

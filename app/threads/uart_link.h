@@ -6,6 +6,12 @@
 #ifndef PHAROS_THREADS_UART_LINK_H
 #define PHAROS_THREADS_UART_LINK_H
 
+#include "threads/link.h"
+
+/* As link_send() and link_stats_get(), of the links 0…UART_LINKS_MAX - 1. */
+int uart_link_send(uint8_t number, const uint8_t *frame, size_t length);
+int uart_link_stats_get(uint8_t number, struct link_stats *stats);
+
 /* Opens the UARTs that the board has. Before the threads start. */
 void uart_links_init(void);
 

@@ -30,7 +30,7 @@
 #define DRONECAN_TX_COUNTERS    16u
 
 /* The tunnel: askers at once, bytes that wait for each. */
-#define DRONECAN_TUNNEL_CHANNELS   4u
+#define DRONECAN_TUNNEL_CHANNELS   ((uint32_t)CONFIG_PHAROS_CAN_TUNNELS)
 #define DRONECAN_TUNNEL_CHUNK      120u
 #define DRONECAN_TUNNEL_BUFFER     1024u
 #define DRONECAN_TUNNEL_TIMEOUT_US (3 * US_PER_S)

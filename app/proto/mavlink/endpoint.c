@@ -49,6 +49,23 @@ void mavlink_endpoint_set_system_id(struct mavlink_endpoint *self, uint8_t syste
 	self->config.system_id = system_id;
 }
 
+void mavlink_endpoint_link_up(struct mavlink_endpoint *self, int64_t now_us, uint8_t link)
+{
+	PHAROS_ASSERT(link < MAVLINK_LINKS_MAX);
+	self->config.links |= (uint8_t)(1u << link);
+	self->links[link].version = 0;
+	for (uint8_t i = 0; i < self->component_count; i++) {
+		mavlink_streams_reset(&self->components[i], now_us, link);
+		self->due_us = now_us;
+	}
+}
+
+void mavlink_endpoint_link_down(struct mavlink_endpoint *self, uint8_t link)
+{
+	PHAROS_ASSERT(link < MAVLINK_LINKS_MAX);
+	self->config.links &= (uint8_t) ~(1u << link);
+}
+
 /* The first frame decides what a link is spoken to in; version 2, once heard, stays. */
 static void link_heard(struct mavlink_link *link, uint8_t version)
 {

@@ -155,7 +155,7 @@ struct mavlink_texts {
 	uint32_t dropped;
 };
 
-/* system_id 1…255. links: bit per link that exists. */
+/* system_id 1…255. links: bit per link that is up. */
 struct mavlink_endpoint_config {
 	uint8_t system_id;
 	uint8_t links;
@@ -184,6 +184,15 @@ void mavlink_endpoint_add(struct mavlink_endpoint *self, int64_t now_us, uint8_t
 
 /* Takes the vehicle's system id, 1…255 (asserted). */
 void mavlink_endpoint_set_system_id(struct mavlink_endpoint *self, uint8_t system_id);
+
+/*
+ * A link comes: whoever is there now was not before, so its version is unknown and its streams are
+ * the default ones, due at once. link < MAVLINK_LINKS_MAX (asserted).
+ */
+void mavlink_endpoint_link_up(struct mavlink_endpoint *self, int64_t now_us, uint8_t link);
+
+/* A link goes: nothing is sent there any more. */
+void mavlink_endpoint_link_down(struct mavlink_endpoint *self, uint8_t link);
 
 /*
  * bytes: one whole frame that a framer has verified; link < MAVLINK_LINKS_MAX (asserted). *out is

@@ -31,6 +31,9 @@ const struct mavlink_message_row *mavlink_message_find(const struct mavlink_comp
 /* All streams of a new component: default intervals, due at once. */
 void mavlink_streams_init(struct mavlink_component *component, int64_t now_us);
 
+/* The same for one link. */
+void mavlink_streams_reset(struct mavlink_component *component, int64_t now_us, uint8_t link);
+
 /* interval_us: MAVLINK_INTERVAL_OFF or > 0. links: bit per link. */
 void mavlink_stream_set(const struct mavlink_context *context,
                         const struct mavlink_message_row *row, uint8_t links, int32_t interval_us);

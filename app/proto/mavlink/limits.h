@@ -23,7 +23,7 @@
 #define MAVLINK_FRAMER_WINDOW (2 * MAVLINK_FRAME_MAX)
 
 /* Links, components of this device, and rows of a component's message table. */
-#define MAVLINK_LINKS_MAX      4
+#define MAVLINK_LINKS_MAX      8
 #define MAVLINK_COMPONENTS_MAX 2
 #define MAVLINK_MESSAGES_MAX   12
 
@@ -32,8 +32,8 @@
 #define MAVLINK_STEP_FRAMES   (MAVLINK_COMPONENTS_MAX * (1 + MAVLINK_LINKS_MAX))
 #define MAVLINK_STEP_BYTES                                                                         \
 	(MAVLINK_COMPONENTS_MAX * (MAVLINK_ACK_FRAME_MAX + MAVLINK_LINKS_MAX * MAVLINK_FRAME_MAX))
-#define MAVLINK_OUTBOX_FRAMES 16
-#define MAVLINK_OUTBOX_BYTES  2560
+#define MAVLINK_OUTBOX_FRAMES 18
+#define MAVLINK_OUTBOX_BYTES  4608
 
 /* Streams: the fastest that may be asked for, and the least time between two reports of a change.
  */

@@ -23,16 +23,21 @@ static size_t row_index(const struct mavlink_component *component,
 	return (size_t)(row - component->profile->messages);
 }
 
+void mavlink_streams_reset(struct mavlink_component *component, int64_t now_us, uint8_t link)
+{
+	for (uint8_t i = 0; i < component->profile->message_count; i++) {
+		component->streams[link][i] = (struct mavlink_stream){
+			.next_us = now_us,
+			.sent_us = now_us - MAVLINK_CHANGE_GAP_MIN_US,
+			.interval_us = component->profile->messages[i].interval_us,
+		};
+	}
+}
+
 void mavlink_streams_init(struct mavlink_component *component, int64_t now_us)
 {
 	for (uint8_t link = 0; link < MAVLINK_LINKS_MAX; link++) {
-		for (uint8_t i = 0; i < component->profile->message_count; i++) {
-			component->streams[link][i] = (struct mavlink_stream){
-				.next_us = now_us,
-				.sent_us = now_us - MAVLINK_CHANGE_GAP_MIN_US,
-				.interval_us = component->profile->messages[i].interval_us,
-			};
-		}
+		mavlink_streams_reset(component, now_us, link);
 	}
 }
 

@@ -67,7 +67,7 @@ static bool send_on_links(const struct mavlink_context *context, struct mavlink_
 	wire.severity = waiting->severity;
 	memcpy(wire.text, waiting->text, sizeof(wire.text));
 	for (uint8_t link = 0; link < MAVLINK_LINKS_MAX; link++) {
-		if ((waiting->links & 1u << link) == 0) {
+		if ((waiting->links & context->endpoint->config.links & 1u << link) == 0) {
 			continue;
 		}
 		if (!mavlink_outbox_has_room(context->out)) {

@@ -23,4 +23,12 @@
 	} while (false)
 #endif
 
+/* 3.6: a filter no longer tells data frames from remote ones, and FD frames from classic ones. */
+#ifndef CAN_FILTER_DATA
+#define CAN_FILTER_DATA 0
+#endif
+#ifndef CAN_FILTER_FDF
+#define CAN_FILTER_FDF 0
+#endif
+
 #endif

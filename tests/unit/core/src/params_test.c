@@ -29,10 +29,15 @@ static int32_t get(const char *name)
 	return value;
 }
 
+static bool is_read_only(uint32_t index)
+{
+	return (params_info(index)->flags & PARAM_FLAG_READ_ONLY) != 0;
+}
+
 /* MAVLink reference: names of at most 16 characters; DroneCAN and the shell want them plain. */
 ZTEST(core_params, test_every_row_is_complete_and_its_name_is_unique)
 {
-	static const char *const prefixes[] = {"LGT_", "STRB_", "THR_", "SYNC_", "MAV_"};
+	static const char *const prefixes[] = {"LGT_", "STRB_", "THR_", "SYNC_", "MAV_", "CAN_"};
 
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
 		const struct param_info *info = params_info(i);
@@ -60,7 +65,7 @@ ZTEST(core_params, test_defaults_are_kconfig_values_and_can_all_be_set)
 		const enum params_result result =
 			params_set(&params, i, params_info(i)->fallback, &changed);
 
-		zassert_equal(result, PARAMS_OK);
+		zassert_equal(result, is_read_only(i) ? PARAMS_READ_ONLY : PARAMS_OK);
 		zassert_equal(changed, 0, "it was that already");
 	}
 }
@@ -95,6 +100,9 @@ ZTEST(core_params, test_each_range_is_closed)
 		const struct param_info *info = params_info(i);
 		const struct params kept = params;
 
+		if (is_read_only(i)) {
+			continue;
+		}
 		if (info->min > INT32_MIN) {
 			zassert_equal(params_set(&params, i, info->min - 1, &changed),
 			              PARAMS_OUT_OF_RANGE, "%s", info->name);
@@ -150,6 +158,22 @@ ZTEST(core_params, test_reset_tells_what_changed)
 	zassert_equal(get("SYNC_MODE"), 0);
 }
 
+/* Issue "CAN and GPIO" 4: who is in command shows in a parameter. */
+ZTEST(core_params, test_read_only_one_is_told_not_set_reset_or_loaded)
+{
+	struct params stored = params;
+
+	params_tell(&params, PARAM_LGT_SRC_NOW, ARBITER_SOURCE_DRONECAN);
+	zassert_equal(get("LGT_SRC_NOW"), 2);
+	zassert_equal(set("LGT_SRC_NOW", 1), PARAMS_READ_ONLY);
+	zassert_equal(params_reset(&params), 0);
+	stored.values[PARAM_LGT_SRC_NOW] = 4;
+	zassert_equal(params_load(&params, stored.values), 0);
+	zassert_equal(get("LGT_SRC_NOW"), 2);
+	zassert_equal(params_settable_mask() & PARAM_MASK(PARAM_LGT_SRC_NOW), 0);
+	zassert_true((params_settable_mask() & PARAM_MASK(PARAM_LGT_SRC_PRIO)) != 0);
+}
+
 ZTEST(core_params, test_load_takes_a_set_that_no_order_of_single_sets_would)
 {
 	struct params stored = params;
@@ -199,7 +223,8 @@ ZTEST(core_params, test_any_garbage_loads_as_something_that_works)
 		thermal_init(&machine, 0, &thermal); /* these assert their ranges */
 		illuminator_init(&illuminator, &light);
 		for (uint32_t i = 0; i < PARAM_COUNT; i++) {
-			zassert_equal(params_set(&params, i, params.values[i], &changed), PARAMS_OK,
+			zassert_equal(params_set(&params, i, params.values[i], &changed),
+			              is_read_only(i) ? PARAMS_READ_ONLY : PARAMS_OK,
 			              "round %d, %s", round, params_info(i)->name);
 		}
 	}
@@ -209,7 +234,7 @@ ZTEST(core_params, test_groups_divide_the_table)
 {
 	uint64_t all = 0;
 
-	for (enum param_group group = PARAM_GROUP_LIGHT; group <= PARAM_GROUP_ARBITER; group++) {
+	for (enum param_group group = PARAM_GROUP_LIGHT; group <= PARAM_GROUP_DRONECAN; group++) {
 		const uint64_t mask = params_group_mask(group);
 
 		zassert_equal(all & mask, 0);

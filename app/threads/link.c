@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "threads/link.h"
+
+#include <errno.h>
+
+#include <zephyr/sys/util.h>
+
+#include "threads/can_node.h"
+#include "threads/devices.h"
+#include "threads/uart_link.h"
+
+int link_send(uint8_t link, const uint8_t *frame, size_t length)
+{
+	if (link < TUNNEL_LINK0) {
+		return uart_link_send(link, frame, length);
+	}
+	return link < LINKS_MAX ? can_node_tunnel_send(link - TUNNEL_LINK0, frame, length)
+	                        : -ENODEV;
+}
+
+uint32_t link_mask(void)
+{
+	uint32_t mask = 0;
+
+	for (uint8_t link = 0; link < UART_LINKS_MAX; link++) {
+		mask |= devices.uart_links[link] != NULL ? BIT(link) : 0;
+	}
+	return mask;
+}
+
+int link_stats_get(uint8_t link, struct link_stats *stats)
+{
+	if (link < TUNNEL_LINK0) {
+		return uart_link_stats_get(link, stats);
+	}
+	return link < LINKS_MAX ? can_node_tunnel_stats(link - TUNNEL_LINK0, stats) : -ENODEV;
+}
+
+const char *link_name(uint8_t link)
+{
+	static const char *const names[] = {"uart0",   "uart1",   "uart2",   "uart3",
+	                                    "tunnel0", "tunnel1", "tunnel2", "tunnel3"};
+
+	_Static_assert(LINKS_MAX <= ARRAY_SIZE(names), "every link has a name");
+	return names[link];
+}
