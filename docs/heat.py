@@ -70,7 +70,7 @@ def draw(signals: dict[str, Signal], out: Path) -> None:
     heat.plot(minutes, sampled(signals["temp_mdegc"], 1e-3), color="#c0392b", linewidth=1.6)
     for level, label in ((80, "throttling from"), (100, "shutdown at"), (70, "on again below")):
         heat.axhline(level, color="#7f8c8d", linewidth=0.8, linestyle=":")
-        heat.text(0.4, level + 1, f"{label} {level} °C", color="#566573")
+        heat.text(0.4, level + 1, f"{label} {level} °C", color="#566573", fontsize=8)
     heat.set_ylabel("temperature [°C]")
     heat.set_ylim(20, 118)
     light.fill_between(

@@ -5,10 +5,12 @@
 
 static bool append_digit(int64_t *value, char digit)
 {
-	if (*value > (INT64_MAX - 9) / 10) {
+	const int64_t units = digit - '0';
+
+	if (*value > (INT64_MAX - units) / 10) {
 		return false;
 	}
-	*value = *value * 10 + (digit - '0');
+	*value = *value * 10 + units;
 	return true;
 }
 
