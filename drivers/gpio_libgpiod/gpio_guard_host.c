@@ -56,8 +56,8 @@ static _Noreturn void watch(int other, void (*make_safe)(void))
 	sigfillset(&all);
 	sigprocmask(SIG_BLOCK, &all, NULL);
 	setsid();
-	prctl(PR_SET_NAME, "pharos-guard");
 	close_others(other);
+	prctl(PR_SET_NAME, "pharos-guard"); /* also says that it is ready */
 	while (read(other, &byte, 1) != 0) {
 	}
 	make_safe();

@@ -273,8 +273,8 @@ def run_tests(build: Path, arguments: Sequence[str]) -> Result:
         install_packages()
         build_kernel()
         env = {"PHAROS_BUILD": str(build), "PHAROS_LIGHT2": str(build_light2())}
-        command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *arguments]
-        status, text = run([*command, "tests/linux"], env=env)
+        command = [sys.executable, "-m", "pytest", "-q", "--color=no", "-p", "no:cacheprovider"]
+        status, text = run([*command, *arguments, "tests/linux"], env=env)
     except GuestError as error:
         print(f"guest: {error}")
         return Result(failed=1, replay=replay, note=f"no guest: {error}")

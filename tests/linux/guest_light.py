@@ -35,6 +35,12 @@ def until(what: str, condition: Callable[[], Any]) -> Any:
     raise AssertionError(f"{what}: not within {PATIENCE_S:.0f} s")
 
 
+def pass_time(seconds: float) -> None:
+    """For what shows only when time has passed, such as a pulse that is over."""
+    end = time.monotonic() + seconds
+    until(f"{seconds} s", lambda: time.monotonic() > end)
+
+
 class GpioSim:
     """A chip of the kernel's gpio-sim: what is outside of it is moved and seen here."""
 
@@ -161,14 +167,19 @@ class Light:
         self.process.send_signal(number)
         return self.process.wait(PATIENCE_S)
 
-    def guard(self) -> int:
-        """The process id of its guard; 0: it has none."""
+    def guards(self) -> dict[int, str]:
+        """Process id and state of each of its guards; "Z": ended, and nobody has noticed."""
+        found = {}
         for stat in Path("/proc").glob("[0-9]*/stat"):
             with contextlib.suppress(OSError):  # it has ended meanwhile
                 pid, name, state, parent, *_ = stat.read_text().split()
-                if name == "(pharos-guard)" and state != "Z" and int(parent) == self.process.pid:
-                    return int(pid)
-        return 0
+                if name == "(pharos-guard)" and int(parent) == self.process.pid:
+                    found[int(pid)] = state
+        return found
+
+    def guard(self) -> int:
+        """The process id of its guard; 0: it has none."""
+        return next((pid for pid, state in self.guards().items() if state != "Z"), 0)
 
     def close(self) -> None:
         self._control.close()

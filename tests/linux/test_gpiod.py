@@ -6,14 +6,14 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-import time
+import threading
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 import gpiod
 import pytest
 
-from guest_light import PATIENCE_S, GpioSim, KeepingChip, Light, until
+from guest_light import PATIENCE_S, GpioSim, KeepingChip, Light, pass_time, until
 
 LINES = ("LAMP", "CAMERA", "SYNC", "BUTTON", "FAULT", "SPARE")
 
@@ -119,12 +119,15 @@ def test_burst_beyond_the_kernels_queue_ends_at_the_right_level(
     light = start(*options(chip, "enable=LAMP,sync=SYNC"))
     in_sync_mode(light)
     light.process.send_signal(signal.SIGSTOP)
-    for number in range(101):
+    for number in range(33):
         chip.pull("SYNC", (number + 1) % 2)
+        pass_time(0.02)  # gpio-sim's interrupts come with the guest's tick, of 10 ms
     light.process.send_signal(signal.SIGCONT)
     until("lit", lambda: chip.value("LAMP") == 1)
-    # the kernel keeps 16 edges of each line
-    assert light.do("gpiochip")["edges"] <= 16
+    # the kernel keeps 16 edges of each line; libgpiod 1 loses the last, libgpiod 2 the first ones
+    counts = light.do("gpiochip")
+    assert counts["edges"] <= 16
+    assert counts["missed"] >= 1
     chip.pull("SYNC", 0)
     until("dark", lambda: chip.value("LAMP") == 0)
 
@@ -136,8 +139,7 @@ def test_edges_count_at_the_kernels_time(start: Start, chip: GpioSim) -> None:
     in_sync_mode(light, *(f"param set {setting}" for setting in settings))
     light.process.send_signal(signal.SIGSTOP)
     chip.pull("SYNC", 1)
-    end = time.monotonic() + 0.3
-    until("0.3 s have passed", lambda: time.monotonic() > end)
+    pass_time(0.3)
     light.process.send_signal(signal.SIGCONT)
     until("the edge is read", lambda: light.do("gpiochip")["edges"] == 1)
     assert light.do("outputs")["edges"] == 0
@@ -158,6 +160,7 @@ def test_button_switches_the_light(start: Start, chip: GpioSim) -> None:
         # the light's clock: a level counts once it has lasted 20 ms
         end_us = light.do("outputs")["now_us"] + 40_000
         until("the release counts", lambda: light.do("outputs")["now_us"] > end_us)  # noqa: B023
+        assert chip.value("LAMP") == level
 
 
 def test_driver_fault_is_logged_and_counted(start: Start, chip: GpioSim) -> None:
@@ -229,8 +232,10 @@ def test_light_takes_the_lines_of_a_killed_one(start: Start, chip: GpioSim) -> N
     first.signal(signal.SIGKILL)
     with gpiod.Chip(chip.device) as opened:
         assert opened.get_line_info("LAMP").used, "by the guard, still"
-    os.kill(guard, signal.SIGCONT)
+    ending = threading.Timer(0.2, os.kill, [guard, signal.SIGCONT])
+    ending.start()
     second = start(*options(chip, "enable=LAMP"))
+    ending.join()
     second.shell("light on")
     until("lit", lambda: chip.value("LAMP") == 1)
 
@@ -239,10 +244,11 @@ def test_killed_guard_is_replaced(start: Start, chip: GpioSim, keeping_chip: Kee
     light = start("--gpio", f"gpiochip:{keeping_chip.device},enable=0")
     light.shell("light on")
     until("lit", lambda: chip.value("LAMP") == 1)
-    first = until("a guard", light.guard)
-    os.kill(first, signal.SIGKILL)
-    until("another guard", lambda: light.guard() not in (0, first))
-    assert chip.value("LAMP") == 1
+    for _ in range(2):
+        first = until("a guard", light.guard)
+        os.kill(first, signal.SIGKILL)
+        until("another guard", lambda: light.guard() not in (0, first))  # noqa: B023
+        assert chip.value("LAMP") == 1
     light.signal(signal.SIGKILL)
     until("dark", lambda: chip.value("LAMP") == 0)
 
@@ -264,6 +270,7 @@ def test_reset_makes_the_lamp_dark_and_takes_the_lines_again(start: Start, chip:
     assert chip.value("LAMP") == 0
     chip.pull("BUTTON", 0)
     until("the button is read", lambda: light.line("button") == 0)
+    assert len(light.guards()) == 1
     light.shell("light on")
     until("lit again", lambda: chip.value("LAMP") == 1)
 
