@@ -27,7 +27,7 @@ enum {
 	RETRY_MAX_MS = 5000,
 	CHECK_MS = 500,    /* a chip without inputs does not say that it goes */
 	KERNEL_QUEUE = 16, /* edges per line; the kernel drops further ones */
-	GUARD_TRIES = 250,  /* for the guard of a light that was killed just now to end */
+	GUARD_TRIES = 250, /* for the guard of a light that was killed just now to end */
 	GUARD_TRY_US = 20000,
 	EXIT_OPTION = 2,
 };
