@@ -4,6 +4,32 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
+import pytest
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "src"))
+
+from real_light import BINARY, RealLight
+
+
+@pytest.fixture(scope="session")
+def binary() -> Path:
+    if not BINARY.is_file():
+        pytest.exit(f"{BINARY}: no such file; run `make build` first", returncode=2)
+    return BINARY
+
+
+@pytest.fixture
+def real_light(binary: Path, tmp_path: Path) -> Iterator[Callable[..., RealLight]]:
+    """real_light("--uart0", …): the light in real time, which ends with the test."""
+    with ExitStack() as stack:
+
+        def start(*options: str) -> RealLight:
+            light = RealLight(tmp_path, *options)
+            stack.callback(light.close)
+            return light
+
+        yield start

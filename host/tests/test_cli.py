@@ -1,0 +1,344 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The `pharos` command as users run it, on a light in real time: exit codes, pipes, a terminal."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import pty
+import re
+import select
+import struct
+import subprocess
+import termios
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from pharos.cli import main
+from pharos.dialect import MODULE, generated_dialect, load_dialect
+from real_light import PATIENCE_S, PHAROS, RealLight, environment, run
+
+START = Callable[..., RealLight]
+
+
+@pytest.fixture
+def light(real_light: START) -> RealLight:
+    return real_light("--uart0", "udpin:127.0.0.1:0")
+
+
+def _code(*args: str) -> int:
+    """main() in this process: as `pharos ARGS…`, without the time that Python takes to start."""
+    try:
+        return main(args)
+    except SystemExit as end:  # argparse
+        return int(end.code or 0)
+
+
+# --- exit codes and errors ------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("args", "code", "hint"),
+    [
+        (["shell", "nonsense", "-c", "on"], 2, "expected udp:"),
+        (["shell", "dronecan:tin-cans/1?node=5", "-c", "on"], 2, "'tin-cans'"),
+        (["shell", "udp:127.0.0.1:9", "-c", "dance"], 2, "'dance' is no command"),
+        (["shell", "udp:127.0.0.1:9", "-c", "on 1"], 2, "usage: on"),
+        (["shell", "pty:/nonexistent/tty", "-c", "on"], 3, "No such file"),
+        (["shell", "tcp:127.0.0.1:1", "-c", "on"], 3, "refused"),
+        (
+            ["shell", "udp:127.0.0.1:9", "--timeout", "0.1", "-c", "on"],
+            3,
+            "no illuminator answered",
+        ),
+        (["shell", "udpin:127.0.0.1:0", "--timeout", "0.1", "-c", "on"], 3, "no illuminator"),
+        (["can", "nodes", "socketcan/nonexistent0"], 3, "nonexistent0"),
+        (["can", "nodes", "tin-cans/1"], 2, "'tin-cans'"),
+        (["can", "nodes", "pharos-udp/127.0.0.1"], 2, "'127.0.0.1'"),
+        (["can", "light", "brightness"], 2, "PERCENT"),
+        (["can", "light", "on", "40"], 2, "PERCENT"),
+        (["can", "light", "brightness", "140"], 2, "0 … 100"),
+        (["can", "light", "brightness", "40", "--via", "hardpoint"], 2, "on or off"),
+        (["can", "light", "on", "--via", "tunnel"], 2, "--node"),
+    ],
+)
+def test_each_kind_of_error_has_its_code_and_one_line(
+    args: list[str], code: int, hint: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert _code(*args) == code
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("pharos: ")
+    assert hint in err
+    assert err.count("\n") == 1
+
+
+def test_commands_of_the_command_line(light: RealLight, capsys: pytest.CaptureFixture[str]) -> None:
+    assert _code("shell", light.url(), "-c", "on; brightness 40; status") == 0
+    out, err = capsys.readouterr()
+    assert out.splitlines()[:2] == ["ok", "ok"]
+    assert out.splitlines()[2].startswith("on, 40 %")
+    assert err == ""
+    assert light.control.request("outputs")["brightness_ppm"] == 400_000
+    assert _code("shell", light.url(), "-c", "brightness 140; off") == 1
+    assert light.control.request("outputs")["enable"] == 1
+    assert _code("shell", light.url(), "--target", "1/243", "-c", "off; quit; on") == 0
+    assert light.control.request("outputs")["enable"] == 0
+
+
+def test_error_before_anything_is_json_too(capsys: pytest.CaptureFixture[str]) -> None:
+    assert _code("shell", "nonsense", "--json", "-c", "on") == 2
+    out, err = capsys.readouterr()
+    assert json.loads(out)["ok"] is False
+    assert err.startswith("pharos: 'nonsense'")
+
+
+@pytest.mark.parametrize("wire", ["tcpin:127.0.0.1:0", "pty:{folder}/uart0"])
+def test_every_transport_takes_commands(real_light: START, tmp_path: Path, wire: str) -> None:
+    light = real_light("--uart0", wire.replace("{folder}", str(tmp_path)))
+    assert _code("shell", light.url(), "-c", "on") == 0
+    assert light.control.request("outputs")["enable"] == 1
+
+
+def test_lights_that_call_are_waited_for(real_light: START) -> None:
+    """udpin: and tcpin: on this side. The port is one that is free now."""
+    import socket
+
+    for kind, family in (("udp", socket.SOCK_DGRAM), ("tcp", socket.SOCK_STREAM)):
+        with socket.socket(socket.AF_INET, family) as probe:
+            probe.bind(("127.0.0.1", 0))
+            port = probe.getsockname()[1]
+        wire = f"{'udpout' if kind == 'udp' else 'tcp'}:127.0.0.1:{port}"
+        light = real_light("--uart0", wire)
+        assert _code("shell", f"{kind}in:127.0.0.1:{port}", "--timeout", "10", "-c", "on") == 0
+        assert light.control.request("outputs")["enable"] == 1
+        light.close()
+
+
+# --- pipes ----------------------------------------------------------------------------------------
+def test_commands_from_a_pipe(light: RealLight) -> None:
+    done = run("shell", light.url(), stdin="# a comment\non\n\nbrightness 40; strobe 2Hz 10\n")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "ok\nok\nok\n", "")
+    outputs = light.control.request("outputs")
+    assert (outputs["enable"], outputs["strobe_period_us"]) == (1, 500_000)
+
+
+def test_pipe_ends_at_the_first_failure_and_names_the_line(light: RealLight) -> None:
+    done = run("shell", light.url(), stdin="on\ndance\noff\n")
+    assert (done.returncode, done.stdout) == (2, "ok\n")
+    assert done.stderr == "pharos: line 2: 'dance' is no command; `help` lists them\n"
+    assert light.control.request("outputs")["enable"] == 1
+    done = run("shell", light.url(), "--json", stdin="brightness 140\noff\n")
+    assert done.returncode == 1
+    (line,) = done.stdout.splitlines()
+    assert json.loads(line)["result"] == 2
+    assert light.control.request("outputs")["enable"] == 1
+
+
+def test_reader_that_has_had_enough_is_no_error(light: RealLight) -> None:
+    process = subprocess.Popen(
+        [*PHAROS, "shell", light.url(), "-c", "status; watch 2; watch 3"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment(),
+    )
+    assert process.stdout is not None
+    assert process.stderr is not None
+    process.stdout.readline()
+    process.stdout.close()
+    assert process.wait(PATIENCE_S) == 0
+    assert process.stderr.read() == ""
+    process.stderr.close()
+
+
+# --- help -----------------------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    "command", [[], ["shell"], ["can"], ["can", "monitor"], ["can", "nodes"], ["can", "light"]]
+)
+def test_help_has_an_example_that_fits_a_terminal(
+    command: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert _code(*command, "--help") == 0
+    text = capsys.readouterr().out
+    assert re.search(rf"examples?:\n  pharos {' '.join(command)}", text)
+    assert max(len(line) for line in text.splitlines()) <= 100
+
+
+def test_usage_error_of_the_command_line_exits_2(capsys: pytest.CaptureFixture[str]) -> None:
+    for args in ([], ["dance"], ["shell"], ["shell", "udp:1:1", "--timeout", "soon"]):
+        assert _code(*args) == 2
+    assert "number of seconds" in capsys.readouterr().err
+
+
+# --- a terminal -----------------------------------------------------------------------------------
+class Terminal:
+    """`pharos shell` on a pty of 100 columns: what it shows, without colours and movements."""
+
+    def __init__(self, url: str, home: Path) -> None:
+        self._master, slave = pty.openpty()
+        fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 100, 0, 0))
+        self.process = subprocess.Popen(
+            [*PHAROS, "shell", url],
+            stdin=slave,
+            stdout=slave,
+            stderr=slave,
+            start_new_session=True,
+            # Then Ctrl-C is a signal, as it is for people.
+            preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
+            env={**environment(), "XDG_STATE_HOME": str(home)},
+        )
+        os.close(slave)
+        self._shown = ""
+
+    def keys(self, keys: str) -> None:
+        os.write(self._master, keys.encode())
+
+    def enter(self, line: str, pattern: str) -> None:
+        """Types a line; waits for what it brings, then for the next prompt."""
+        self.keys(line + "\r")
+        self.until(pattern)
+        self.until("pharos>")
+
+    def _read(self, deadline: float, what: str) -> bytes:
+        """b"": the program has closed its end."""
+        left = max(0.0, deadline - time.monotonic())
+        assert select.select([self._master], [], [], left)[0], what
+        try:
+            data = os.read(self._master, 65536)
+        except OSError:
+            return b""
+        # Where is the cursor? Below which there is room for all that follows.
+        for _ in range(data.count(b"\x1b[6n")):
+            self.keys("\x1b[1;1R")
+        return data
+
+    def until(self, pattern: str) -> None:
+        """Waits until that is shown, and forgets all up to its end."""
+        deadline = time.monotonic() + PATIENCE_S
+        while True:
+            text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]|\x1b[=>]", "", self._shown)
+            found = re.search(pattern, text)
+            if found:
+                self._shown = text[found.end() :]
+                return
+            data = self._read(deadline, f"never came: {pattern!r}; shown: {text!r}")
+            assert data, f"it ended before {pattern!r}; shown: {text!r}"
+            self._shown += data.decode(errors="replace")
+
+    def end(self) -> int:
+        """Reads what is left; the exit code."""
+        deadline = time.monotonic() + PATIENCE_S
+        while self._read(deadline, "it did not end"):
+            pass
+        return self.process.wait(PATIENCE_S)
+
+    def close(self) -> None:
+        self.process.kill()
+        self.process.wait()
+        os.close(self._master)
+
+
+@pytest.fixture
+def terminal(light: RealLight, tmp_path: Path) -> Iterator[Callable[[], Terminal]]:
+    opened: list[Terminal] = []
+
+    def begin() -> Terminal:
+        opened.append(Terminal(light.url(), tmp_path / "state"))
+        opened[-1].until("pharos>")
+        return opened[-1]
+
+    yield begin
+    for terminal in opened:
+        terminal.close()
+
+
+def test_prompt_runs_commands_and_shows_the_status_below(
+    light: RealLight, terminal: Callable[[], Terminal]
+) -> None:
+    screen = terminal()
+    screen.until("1/243 at udp 127.0.0.1:")
+    screen.enter("on", "ok")
+    screen.enter("brightness 40", "ok")
+    # The toolbar follows the light by itself; of 100 % only what changes is drawn again.
+    screen.until("on, 100 %")
+    screen.until("40? %, ")
+    screen.enter("brightness 140", "denied: ")
+    screen.enter("dance", "'dance' is no command")
+    assert light.control.request("outputs")["brightness_ppm"] == 400_000
+    screen.keys("quit\r")
+    assert screen.end() == 0
+
+
+def test_tab_completes_commands_and_their_words(
+    light: RealLight, terminal: Callable[[], Terminal]
+) -> None:
+    screen = terminal()
+    screen.keys("bri")
+    screen.until("brightness")  # the menu
+    screen.keys("\t")
+    screen.until("ghtness")  # the rest of the word
+    screen.enter(" 30", "ok")
+    assert light.control.request("outputs")["brightness_ppm"] == 300_000
+    screen.keys("strobe o")
+    screen.until("off")
+    screen.keys("\t")
+    screen.until("ff")
+    screen.enter("", "ok")
+    screen.keys("\x04")
+    assert screen.end() == 0
+
+
+def test_history_is_kept_between_sessions(
+    light: RealLight, terminal: Callable[[], Terminal]
+) -> None:
+    first = terminal()
+    first.enter("brightness 35", "ok")
+    first.keys("\x04")
+    assert first.end() == 0
+    assert _code("shell", light.url(), "-c", "brightness 90") == 0
+    second = terminal()
+    second.keys("\x1b[A")  # up
+    second.until("35")
+    second.enter("", "ok")
+    assert light.control.request("outputs")["brightness_ppm"] == 350_000
+
+
+def test_ctrl_c_ends_watch_but_not_the_shell(
+    light: RealLight, terminal: Callable[[], Terminal]
+) -> None:
+    screen = terminal()
+    screen.keys("watch\r")
+    screen.until(r"watch[^°]*off, [^°]*°C")
+    screen.keys("\x03")
+    screen.until("pharos>")
+    screen.enter("brightness 45", "ok")
+    assert light.control.request("outputs")["brightness_ppm"] == 450_000
+    screen.keys("\x04")
+    assert screen.end() == 0
+
+
+def test_light_that_dies_shows_as_silent(
+    light: RealLight, terminal: Callable[[], Terminal]
+) -> None:
+    screen = terminal()
+    light.close()
+    screen.until("SILENT for 3 s")
+    screen.enter("on", "stopped answering")
+    screen.keys("\x04")
+    assert screen.end() == 3
+
+
+# --- the dialect ----------------------------------------------------------------------------------
+def test_dialect_is_generated_once_into_the_cache(tmp_path: Path) -> None:
+    path = generated_dialect(tmp_path)
+    assert path.name == f"{MODULE}.py"
+    before = path.stat().st_mtime_ns
+    assert generated_dialect(tmp_path) == path
+    assert path.stat().st_mtime_ns == before
+    module = load_dialect(path)
+    # Check values of common.xml: CRC_EXTRA of 440 and 396.
+    assert module.MAVLink_illuminator_status_message.crc_extra == 66
+    assert module.MAVLink_component_information_basic_message.crc_extra == 50
