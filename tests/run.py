@@ -19,6 +19,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "tests" / "linux"))
+
+import guest  # noqa: E402
+
 VENV = ROOT / ".venv" / "bin"
 CORES = os.cpu_count() or 1
 FUZZ_RUNS_SHORT = 200_000
@@ -26,15 +30,20 @@ FUZZ_RUNS_SHORT = 200_000
 
 @dataclass
 class Outcome:
-    """What a stage found: tests passed and failed, and the command that repeats a failure."""
+    """What a stage found: tests passed and failed, the command that repeats a failure, and what
+    else the summary has to say."""
 
     passed: int = 0
     failed: int = 0
     replay: str = ""
+    note: str = ""
 
     def __add__(self, other: Outcome) -> Outcome:
         return Outcome(
-            self.passed + other.passed, self.failed + other.failed, self.replay or other.replay
+            self.passed + other.passed,
+            self.failed + other.failed,
+            self.replay or other.replay,
+            self.note or other.note,
         )
 
 
@@ -123,6 +132,19 @@ def lint(_: argparse.Namespace) -> Outcome:
     )
 
 
+def linux(_: argparse.Namespace) -> Outcome:
+    """What touches a kernel, against a real one: SocketCAN and GPIO in a guest."""
+    built = build("native")
+    if built.failed:
+        return built
+    result = guest.stage("native")
+    return Outcome(result.passed, result.failed, result.replay, result.note)
+
+
+def budget(_: argparse.Namespace) -> Outcome:
+    return check(VENV / "python", "tests/budget/run.py")
+
+
 def fuzz(args: argparse.Namespace) -> Outcome:
     outcome = build("fuzz")
     if outcome.failed:
@@ -140,6 +162,8 @@ def fuzz(args: argparse.Namespace) -> Outcome:
 STAGES: dict[str, Callable[[argparse.Namespace], Outcome]] = {
     "lint": lint,
     "native": lambda _: suite("native"),
+    "linux": linux,
+    "budget": budget,
     "asan-gcc": lambda _: suite("native-asan"),
     "asan-clang": lambda _: suite("native-asan-clang"),
     "fuzz": fuzz,
@@ -167,6 +191,8 @@ def main() -> int:
     print(f"\n{'stage':<12}{'passed':>8}{'failed':>8}{'seconds':>9}")
     for name, outcome, seconds in rows:
         print(f"{name:<12}{outcome.passed:>8}{outcome.failed:>8}{seconds:>9.0f}")
+        if outcome.note:
+            print(f"  {outcome.note}")
         if outcome.failed and outcome.replay:
             print(f"  again: {outcome.replay}")
     total = sum((outcome for _, outcome, _ in rows), Outcome())
