@@ -15,7 +15,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "host" / "src"))
 
 import harness
-from harness import WIRES, Light, light_on, simulator
+from harness import TRANSPORTS, WIRES, Light, Transport, light_on, simulator
 from pharos import Simulator
 
 _running = pytest.StashKey[list[Simulator]]()
@@ -59,15 +59,15 @@ def start(request: pytest.FixtureRequest) -> Iterator[Callable[..., Simulator]]:
         yield begin
 
 
-@pytest.fixture(params=sorted(WIRES))
-def transport(request: pytest.FixtureRequest) -> str:
-    return str(request.param)
+@pytest.fixture(params=sorted(TRANSPORTS))
+def transport(request: pytest.FixtureRequest) -> Transport:
+    return TRANSPORTS[request.param]
 
 
 @pytest.fixture
-def light(start: Callable[..., Simulator], transport: str) -> Light:
-    """A light under virtual time with a client on uart0, over each transport in turn."""
-    return light_on(start({"uart0": WIRES[transport]}))
+def light(start: Callable[..., Simulator], transport: Transport) -> Light:
+    """A light under virtual time with a client, over each transport in turn."""
+    return light_on(start({transport.wire: transport.address}), transport=transport)
 
 
 @pytest.fixture

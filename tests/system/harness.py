@@ -10,10 +10,13 @@ import os
 import re
 import struct
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pharos import MavlinkConnection, Simulator, Source, find_dialect, load_dialect
+from dronecan import uavcan
+
+from pharos import MavlinkConnection, Simulator, Source, Tunnel, find_dialect, load_dialect
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ.get("PHAROS_BUILD", ROOT / "build" / "native")).resolve()
@@ -56,11 +59,33 @@ INF = math.inf
 FULL_PPM = 1_000_000
 SECOND_US = 1_000_000
 
-# The wire that each transport needs, as the light's command line takes it.
+# What a UART can be, as the light's command line takes it.
 WIRES = {
     "udp": "udpin:127.0.0.1:0",
     "tcp": "tcpin:127.0.0.1:0",
     "pty": "pty:{folder}/uart0",
+}
+# A user-space CAN bus of the test's own.
+BUS = "udp:127.255.255.255:{port}"
+NODE = 68  # CAN_NODE_ID by default
+
+
+@dataclass(frozen=True)
+class Transport:
+    """How MAVLink reaches the light: a UART, or the tunnel over a CAN bus."""
+
+    wire: str
+    address: str
+    fd: bool = False
+
+    @property
+    def is_can(self) -> bool:
+        return self.wire.startswith("can")
+
+
+TRANSPORTS = {name: Transport("uart0", address) for name, address in WIRES.items()} | {
+    "can": Transport("can0", BUS),
+    "canfd": Transport("can0", BUS, fd=True),
 }
 
 # What 440 says of the settings; the rest is time and temperature.
@@ -82,11 +107,12 @@ def f32(value: float) -> float:
 
 
 class Light:
-    """A running light (`sim`) and a client (`mav`) on its uart0, already introduced."""
+    """A running light (`sim`) and a client (`mav`) on its `wire`, already introduced."""
 
-    def __init__(self, sim: Simulator, mav: MavlinkConnection) -> None:
+    def __init__(self, sim: Simulator, mav: MavlinkConnection, wire: str = "uart0") -> None:
         self.sim = sim
         self.mav = mav
+        self.wire = wire
 
     def greet(self) -> None:
         """Introduces the client, and waits until the light is up and has sampled its temperature
@@ -173,8 +199,30 @@ def simulator(wires: dict[str, str] | None = None, **kwargs: Any) -> Simulator:
     return Simulator(BINARY, wires, dialect=load_dialect(find_dialect(BUILD)), **kwargs)
 
 
-def light_on(sim: Simulator, source: Source | None = None) -> Light:
-    """A client on a running simulator's uart0."""
-    light = Light(sim, sim.connect("uart0", source))
+def light_on(
+    sim: Simulator, source: Source | None = None, transport: Transport = TRANSPORTS["udp"]
+) -> Light:
+    """A client on a running simulator's wire of that transport."""
+    light = Light(sim, connect(sim, transport, source), transport.wire)
     light.greet()
     return light
+
+
+def connect(
+    sim: Simulator, transport: Transport, source: Source | None = None
+) -> MavlinkConnection:
+    """The same, not yet introduced."""
+    if transport.fd:
+        set_over_can(sim, "CAN_FD", 1)
+        sim.reset()
+    return sim.connect(transport.wire, source, tunnel=Tunnel(fd=transport.fd))
+
+
+def set_over_can(sim: Simulator, name: str, value: int) -> None:
+    """Sets a parameter as a node on the bus does."""
+    request = uavcan.protocol.param.GetSet.Request()
+    request.name.encode(name)
+    request.value.integer_value = value
+    node = sim.node(9)
+    assert node.ask(request, NODE, sim).value.integer_value == value
+    node.close()

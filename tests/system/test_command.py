@@ -25,8 +25,9 @@ from harness import (
     SET_MESSAGE_INTERVAL,
     STATUS,
     UNSUPPORTED,
-    WIRES,
     Light,
+    Transport,
+    connect,
     f32,
     of,
 )
@@ -199,10 +200,10 @@ def test_a_burst_of_commands_is_answered_one_by_one_in_order(light: Light) -> No
 
 
 def test_mavlink1_client_is_answered_in_mavlink1_until_it_speaks_mavlink2(
-    start: Callable[..., Simulator], transport: str
+    start: Callable[..., Simulator], transport: Transport
 ) -> None:
-    sim = start({"uart0": WIRES[transport]})
-    mav = sim.connect("uart0")
+    sim = start({transport.wire: transport.address})
+    mav = connect(sim, transport)
     mav.version = 1
     mav.heartbeat()
     assert mav.command_long(ON_OFF, 1).get_msgbuf()[0] == 0xFE

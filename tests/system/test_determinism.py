@@ -8,16 +8,18 @@ from pathlib import Path
 
 import pytest
 
-from harness import WIRES, light_on, simulator
+from harness import TRANSPORTS, light_on, simulator
 
 
 def _trace(folder: Path, name: str, seed: int, transport: str = "udp", load: int = 0) -> bytes:
     path = folder / name
-    with simulator({"uart0": WIRES[transport]}, seed=seed, options=["--trace", str(path)]) as sim:
-        light = light_on(sim)
+    over = TRANSPORTS[transport]
+    wires = {over.wire: over.address}
+    with simulator(wires, seed=seed, options=["--trace", str(path)]) as sim:
+        light = light_on(sim, transport=over)
         light.configure(80, 0.3, 40)
         light.on()
-        sim.fault("uart0", "flipped", rate_ppm=5_000)
+        sim.fault(over.wire, "flipped", rate_ppm=5_000)
         for step in range(40):
             light.mav.send_command_long(405, step % 2)
             sim.advance(97_531)
@@ -29,7 +31,7 @@ def _trace(folder: Path, name: str, seed: int, transport: str = "udp", load: int
     return path.read_bytes()
 
 
-@pytest.mark.parametrize("transport", sorted(WIRES))
+@pytest.mark.parametrize("transport", sorted(TRANSPORTS))
 def test_same_seed_and_inputs_give_the_same_trace(tmp_path: Path, transport: str) -> None:
     first = _trace(tmp_path, "first", 7, transport)
     second = _trace(tmp_path, "second", 7, transport, load=100_000)

@@ -152,6 +152,8 @@ def _on_with_retries(light: Light, enable: int, tries: int = 30) -> int:
     raise AssertionError(f"no answer to {tries} tries")
 
 
+# What bytes can meet; what frames on a CAN bus can is in test_can_faults.py.
+@pytest.mark.parametrize("transport", sorted(WIRES), indirect=True)
 @pytest.mark.parametrize("kind", ["lost", "flipped", "doubled"])
 def test_commands_are_answered_on_retry_over_a_bad_wire(light: Light, kind: str) -> None:
     # 1 % of bytes: about every third command of 44 bytes is hit.
@@ -164,6 +166,7 @@ def test_commands_are_answered_on_retry_over_a_bad_wire(light: Light, kind: str)
     assert light.on() == ACCEPTED
 
 
+@pytest.mark.parametrize("transport", sorted(WIRES), indirect=True)
 def test_a_flipped_byte_is_never_taken_for_a_command(light: Light) -> None:
     light.sim.fault("uart0", "flipped", rate_ppm=30_000)
     for _ in range(300):
