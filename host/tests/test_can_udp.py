@@ -142,6 +142,23 @@ def test_fd_frame_on_a_classic_bus_is_refused(channel: str) -> None:
         bus.send(VECTOR_FRAME)
 
 
+def test_classic_frame_of_more_than_8_bytes_is_refused(channel: str) -> None:
+    with PharosUdpBus(channel, fd=True) as bus, pytest.raises(can.CanOperationError, match="9 b"):
+        bus.send(can.Message(arbitration_id=1, data=bytes(9)))
+
+
+def test_multicast_group_carries_frames() -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        group = f"239.65.82.7:{probe.getsockname()[1]}"
+        with PharosUdpBus(group, fd=True) as one, PharosUdpBus(group, fd=True) as other:
+            one.send(VECTOR_FRAME)
+            got = other.recv(5.0)
+            assert got is not None
+            assert bytes(got.data) == bytes(VECTOR_FRAME.data)
+            assert one.recv(0) is None
+
+
 def test_length_that_is_no_fd_length_is_refused(channel: str) -> None:
     with PharosUdpBus(channel, fd=True) as bus, pytest.raises(can.CanOperationError, match="pad"):
         bus.send(can.Message(arbitration_id=1, is_fd=True, data=bytes(13)))

@@ -9,6 +9,7 @@ import os
 import pty
 import re
 import select
+import socket
 import struct
 import subprocess
 import termios
@@ -104,8 +105,6 @@ def test_every_transport_takes_commands(real_light: START, tmp_path: Path, wire:
 
 def test_lights_that_call_are_waited_for(real_light: START) -> None:
     """udpin: and tcpin: on this side. The port is one that is free now."""
-    import socket
-
     for kind, family in (("udp", socket.SOCK_DGRAM), ("tcp", socket.SOCK_STREAM)):
         with socket.socket(socket.AF_INET, family) as probe:
             probe.bind(("127.0.0.1", 0))
@@ -115,6 +114,84 @@ def test_lights_that_call_are_waited_for(real_light: START) -> None:
         assert _code("shell", f"{kind}in:127.0.0.1:{port}", "--timeout", "10", "-c", "on") == 0
         assert light.control.request("outputs")["enable"] == 1
         light.close()
+
+
+# --- CAN ------------------------------------------------------------------------------------------
+@pytest.fixture
+def can_light(real_light: START) -> Iterator[tuple[RealLight, str]]:
+    """A light on a CAN bus of its own, and that bus for the command line."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as reserved:
+        reserved.bind(("127.0.0.1", 0))
+        channel = f"127.255.255.255:{reserved.getsockname()[1]}"
+        yield real_light("--can0", f"udp:{channel}"), f"pharos-udp/{channel}"
+
+
+def test_commands_over_can(can_light: tuple[RealLight, str]) -> None:
+    light, bus = can_light
+    assert _code("shell", f"dronecan:{bus}?node=68", "-c", "on; brightness 40; status") == 0
+    outputs = light.control.request("outputs")
+    assert (outputs["enable"], outputs["brightness_ppm"]) == (1, 400_000)
+
+
+def test_nodes_lists_the_light(
+    can_light: tuple[RealLight, str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert _code("can", "nodes", can_light[1], "--json") == 0
+    node = json.loads(capsys.readouterr().out)
+    assert (node["node"], node["name"], node["health"]) == (68, "org.pharos.light", "ok")
+    assert len(node["unique_id"]) == 32
+
+
+def test_monitor_shows_decoded_transfers(
+    can_light: tuple[RealLight, str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    only = ("--only", "NodeStatus", "--count", "2")
+    assert _code("can", "monitor", can_light[1], *only, "--json") == 0
+    one, two = (json.loads(line) for line in capsys.readouterr().out.splitlines())
+    assert (one["type"], one["source"]) == ("uavcan.protocol.NodeStatus", 68)
+    assert two["fields"]["uptime_sec"] - one["fields"]["uptime_sec"] == 1
+    assert _code("can", "monitor", can_light[1], "--frames", *only) == 0
+    assert "68 → all  protocol.NodeStatus" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("args", "brightness_ppm", "enable"),
+    [
+        (["brightness", "100"], 1_000_000, 1),
+        (["on", "--via", "hardpoint"], None, 1),
+        (["brightness", "60", "--via", "tunnel", "--node", "68"], 600_000, None),
+        (["off"], None, 0),
+    ],
+)
+def test_light_without_a_shell(
+    can_light: tuple[RealLight, str],
+    args: list[str],
+    brightness_ppm: int | None,
+    enable: int | None,
+) -> None:
+    light, bus = can_light
+    assert _code("can", "light", *args, "--bus", bus) == 0
+    outputs = light.control.request("outputs")
+    if brightness_ppm is not None:
+        assert outputs["brightness_ppm"] == brightness_ppm
+    if enable is not None:
+        assert outputs["enable"] == enable
+
+
+def test_light_that_does_not_follow_is_a_failure(
+    can_light: tuple[RealLight, str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """No actuator is the light's brightness unless CAN_ACT_BRT says so."""
+    via = ("--via", "actuator", "--bus", can_light[1])
+    assert _code("can", "light", "brightness", "75", *via) == 1
+    assert capsys.readouterr().err == "pharos: node 68 stays off\n"
+
+
+def test_light_that_is_not_on_the_bus_is_silent(
+    can_light: tuple[RealLight, str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert _code("can", "light", "on", "--node", "99", "--bus", can_light[1]) == 3
+    assert "no light says hardpoint.Status" in capsys.readouterr().err
 
 
 # --- pipes ----------------------------------------------------------------------------------------

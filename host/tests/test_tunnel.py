@@ -221,10 +221,27 @@ def test_light_is_commanded_through_the_tunnel(time: VirtualTime, binary: Path, 
         assert sim.outputs()["brightness_ppm"] == 400_000
 
 
+def test_light_on_the_bus_is_commanded_in_lock_step(binary: Path) -> None:
+    with Simulator(binary, {"can0": "udp:127.255.255.255:{port}"}) as sim:
+        light = Light(sim.connect("can0"))
+        light.find()
+        sim.advance(s=1)
+        light.set_brightness(100)
+        light.on()
+        assert sim.outputs()["level_ppm"] == 1_000_000
+        sim.advance(s=60)  # the tunnel is kept open
+        assert light.fetch_status().uptime_ms > 60_000
+        info = sim.node(11).ask(uavcan.protocol.GetNodeInfo.Request(), LIGHT, sim)
+        assert str(info.name) == "org.pharos.light"
+        light.off()
+        assert sim.outputs()["level_ppm"] == 0
+
+
 def test_simulators_bus_is_shared_and_counted(binary: Path) -> None:
     """Two nodes of this side on the light's own bus: in lock-step the light has been given every
     frame, and everything that it sent is here."""
     with Simulator(binary, {"can0": "udp:127.255.255.255:{port}"}) as sim:
+        before = sim.request("buses")["buses"]["can0"]["tx_frames"]
         one, two = sim.node(10), sim.node(11)
         assert one.port is two.port
         assert isinstance(one.port, CanPort)
@@ -232,4 +249,5 @@ def test_simulators_bus_is_shared_and_counted(binary: Path) -> None:
         bus = sim.request("buses")["buses"]["can0"]
         assert (bus["rx_frames"], bus["rx_malformed"]) == (one.port.sent, 0)
         assert one.port.sent >= 20
-        assert one.port.received == bus["tx_frames"]
+        assert one.port.received == bus["tx_frames"] - before
+        assert one.port.received >= 10  # NodeStatus at 1 Hz

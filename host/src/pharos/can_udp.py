@@ -105,6 +105,8 @@ class PharosUdpBus(can.BusABC):
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
         if msg.is_fd and not self._fd:
             _refuse("a CAN FD frame on a classic bus: open it with fd=True")
+        if len(msg.data) > 8 and not msg.is_fd:
+            _refuse(f"{len(msg.data)} bytes do not fit into a classic frame")
         if len(msg.data) not in FD_LENGTHS:
             _refuse(f"{len(msg.data)} bytes is no length of a CAN FD frame: pad it")
         try:

@@ -88,7 +88,7 @@ class TunnelLink(Link):
             self.node.port.close()
 
     def __str__(self) -> str:
-        return f"node {self.peer} on {self.node.port}"
+        return f"node {self.peer} on {self.node.port}{' (CAN FD)' if self.node.fd else ''}"
 
 
 @dataclass(frozen=True)
