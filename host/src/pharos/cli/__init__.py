@@ -163,8 +163,8 @@ def _add_light(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
         help="command a light as a vehicle without MAVLink does",
         description=(
             "Sends LightsCommand, hardpoint.Command or actuator.ArrayCommand and waits for the\n"
-            "light's hardpoint.Status; or MAVLink through the tunnel. Its parameters CAN_LIGHT_ID,\n"
-            "CAN_HARDPT_ID and CAN_ACT_BRT say which ids a light follows."
+            "light's hardpoint.Status; or MAVLink through the tunnel. The light's parameters\n"
+            "CAN_LIGHT_ID, CAN_HARDPT_ID and CAN_ACT_BRT say which ids it follows."
         ),
         epilog="example:\n  pharos can light brightness 40 --bus socketcan/can0\n\n" + CODES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
