@@ -7,6 +7,7 @@
 #define PHAROS_COMPAT_H_
 
 #include <zephyr/device.h>
+#include <zephyr/drivers/can.h>
 #include <zephyr/kernel.h>
 
 /* 4.1: the table of a driver's functions, put where the build can check its class. */
