@@ -189,3 +189,22 @@ ZTEST(mavlink_stream, test_a_new_system_id_is_used_and_listened_to)
 	zassert_equal(out.count, 1);
 	zassert_equal(sent(0).system_id, 42);
 }
+
+ZTEST(mavlink_stream, test_a_link_that_goes_is_silent_and_starts_anew_when_it_comes)
+{
+	run_until(0);
+	zassert_equal(COMMAND(511, 440, 100000), MAV_RESULT_ACCEPTED);
+	mavlink_endpoint_link_down(&endpoint, 0);
+	struct tally tally = run_until(10 * SECOND);
+
+	zassert_equal(tally.heartbeats[0] + tally.statuses[0], 0);
+	zassert_equal(tally.heartbeats[1], 10);
+	now_us = 10 * SECOND + 500000;
+	mavlink_endpoint_link_up(&endpoint, now_us, 0);
+	zassert_equal(mavlink_endpoint_deadline_us(&endpoint), now_us);
+	tally = run_until(20 * SECOND);
+	zassert_equal(tally.heartbeats[0], 10); /* 10.5 s … 19.5 s: at once, then each second */
+	zassert_equal(tally.statuses[0], 10);   /* the default rate, not the one asked for before */
+	zassert_equal(tally.heartbeats[1], 10);
+	zassert_equal(endpoint.links[0].version, 0);
+}
