@@ -26,6 +26,8 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "host" / "src"))
 
+import can_bus
+
 from pharos import Simulator, find_dialect, load_dialect
 from pharos.control import ControlClient
 
@@ -330,6 +332,7 @@ def main() -> int:
     rows.append(measure_switch(args.tools))
     rows += measure_day(binary, dialect)
     rows.append(measure_parse(args.tools, dialect))
+    rows += [Row(*figure) for figure in can_bus.measure(binary, dialect)]
 
     print(machine())
     show(rows)
