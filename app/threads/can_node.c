@@ -44,6 +44,8 @@ static struct dronecan_outbox out;
 static struct tunnel tunnels[TUNNEL_LINKS_MAX];
 static struct can_node_stats stats;
 static int64_t log_us;
+static bool to_send;        /* there may be frames to send */
+static uint32_t tunnels_up; /* how many; none: nothing to look after */
 
 /* --- configuration ---------------------------------------------------------------------------- */
 
@@ -282,6 +284,7 @@ void can_node_log(const char *text)
 		return;
 	}
 	log_us = now_us + LOG_GAP_US;
+	to_send = true;
 	(void)dronecan_node_log(&endpoint.node, now_us, DRONECAN_DEBUG_LOG_LEVEL_WARNING, "light",
 	                        text);
 }
@@ -307,6 +310,7 @@ static void tunnel_up(struct command *command, uint8_t channel)
 
 	mavlink_framer_init(&tunnel->framer);
 	tunnel->framer.stats = kept;
+	tunnels_up += tunnel->up ? 0 : 1;
 	tunnel->up = true;
 	mavlink_endpoint_link_up(&command->mavlink, clock_now_us(), TUNNEL_LINK0 + channel);
 }
@@ -339,6 +343,7 @@ static void step_tunnels(struct command *command)
 
 		if (tunnel->up && !endpoint.tunnel.channels[channel].open) {
 			tunnel->up = false;
+			tunnels_up--;
 			mavlink_endpoint_link_down(&command->mavlink, TUNNEL_LINK0 + channel);
 		}
 		while (mavlink_framer_pending(&tunnel->framer) &&
@@ -364,6 +369,7 @@ int can_node_tunnel_send(uint8_t channel, const uint8_t *frame, size_t length)
 		its->tx_dropped++;
 		return -ENOBUFS;
 	}
+	to_send = true;
 	its->tx_frames++;
 	its->tx_bytes += (uint32_t)length;
 	return 0;
@@ -392,6 +398,7 @@ void can_node_take(struct command *command, struct dronecan_frame *frame)
 {
 	dronecan_endpoint_receive(&endpoint, clock_now_us(), frame, &out);
 	perform(command);
+	to_send = true;
 	can_link_frame_free(frame);
 }
 
@@ -399,10 +406,13 @@ static void flush(void)
 {
 	struct dronecan_frame frame;
 
-	while (dronecan_endpoint_next_frame(&endpoint, clock_now_us(), &frame) &&
-	       can_link_send(&frame)) {
+	while (dronecan_endpoint_next_frame(&endpoint, clock_now_us(), &frame)) {
+		if (!can_link_send(&frame)) {
+			return;
+		}
 		dronecan_endpoint_frame_sent(&endpoint);
 	}
+	to_send = false;
 }
 
 void can_node_step(struct command *command)
@@ -415,16 +425,21 @@ void can_node_step(struct command *command)
 		                             can_link_status_get().stats.bus_errors);
 		dronecan_endpoint_step(&endpoint, clock_now_us(), &out);
 		perform(command);
+		to_send = true;
 	}
-	step_tunnels(command);
-	flush();
+	if (tunnels_up > 0) {
+		step_tunnels(command);
+	}
+	if (to_send) {
+		flush();
+	}
 }
 
 int64_t can_node_deadline_us(void)
 {
 	int64_t deadline_us = active ? dronecan_endpoint_deadline_us(&endpoint) : TIME_NEVER_US;
 
-	for (size_t i = 0; i < TUNNEL_LINKS_MAX; i++) {
+	for (size_t i = 0; i < TUNNEL_LINKS_MAX && tunnels_up > 0; i++) {
 		const int64_t idle_us = tunnels[i].heard_us + MAVLINK_FRAMER_IDLE_US;
 
 		/* what is still unfinished after that stays so until more comes */
