@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
+#include <sys/timerfd.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -17,8 +18,8 @@
 
 enum {
 	EVENTS_MAX = 16,
-	HOT_MAX = 64,    /* hot reads before the others get their turn */
-	SPIN_NS = 50000, /* a wait that was shorter had better been spun */
+	ALARM_SLACK_NS = 1000, /* so little later is no reason to set the alarm anew */
+	HOT_MAX = 64,          /* hot reads before the others get their turn */
 };
 
 static int epoll_fd = -1;
@@ -26,9 +27,12 @@ static struct loop_source *always_list;
 static struct loop_timer *timers;
 static struct loop_source *hot;
 static unsigned int hot_count;
-static bool can_spin;
-static bool spins; /* the last wait for a hot source was short */
+static uint64_t alarm_ns; /* host time that the alarm is set for; 0: not set */
 static unsigned int source_count;
+
+static void on_alarm(struct loop_source *source, uint32_t events);
+
+static struct loop_source alarm_source = {.fd = -1, .ready = on_alarm};
 
 /* The batch being served, so that a source that is removed meanwhile is not called any more. */
 static struct epoll_event batch[EVENTS_MAX];
@@ -175,22 +179,38 @@ static int64_t bound_timeout(int64_t timeout_ns)
 	return timeout_ns;
 }
 
+static void on_alarm(struct loop_source *source, uint32_t events)
+{
+	uint64_t expirations;
+
+	if (read(source->fd, &expirations, sizeof(expirations)) > 0) {
+		alarm_ns = 0;
+	}
+}
+
+/*
+ * A time-out of epoll's own sets the processor's timer at every wait, which can cost more than all
+ * else. An alarm that comes early does no harm, so it is set only for a time before the one it has.
+ */
+static void set_alarm(uint64_t due_ns)
+{
+	const struct itimerspec at = {
+		.it_value = {(time_t)(due_ns / 1000000000u), (long)(due_ns % 1000000000u)},
+	};
+
+	if (alarm_ns != 0 && alarm_ns <= due_ns + ALARM_SLACK_NS) {
+		return;
+	}
+	timerfd_settime(alarm_source.fd, TFD_TIMER_ABSTIME, &at, NULL);
+	alarm_ns = due_ns;
+}
+
 static int wait_events(int64_t timeout_ns)
 {
-	static bool no_nanoseconds;
-	int timeout_ms;
-
-	if (timeout_ns > 0 && !no_nanoseconds) {
-		const struct timespec timeout = {timeout_ns / 1000000000, timeout_ns % 1000000000};
-		const int n = epoll_pwait2(epoll_fd, batch, EVENTS_MAX, &timeout, NULL);
-
-		if (n >= 0 || errno != ENOSYS) {
-			return n;
-		}
-		no_nanoseconds = true; /* Linux before 5.11 */
+	if (timeout_ns > 0) {
+		set_alarm(clock_host_ns() + (uint64_t)timeout_ns);
 	}
-	timeout_ms = timeout_ns < 0 ? -1 : (int)((timeout_ns + 999999) / 1000000);
-	return epoll_wait(epoll_fd, batch, EVENTS_MAX, timeout_ms);
+	return epoll_wait(epoll_fd, batch, EVENTS_MAX, timeout_ns == 0 ? 0 : -1);
 }
 
 static int serve_always(void)
@@ -209,37 +229,17 @@ static int serve_always(void)
 	return count;
 }
 
-/* Waking up from epoll_wait() costs more than a datagram does. */
-static bool spin(struct loop_source *source, int64_t timeout_ns)
+static bool serve_hot(void)
 {
-	const uint64_t start_ns = clock_host_ns();
-	const uint64_t limit_ns =
-		timeout_ns < 0 || timeout_ns > SPIN_NS ? SPIN_NS : (uint64_t)timeout_ns;
-
-	do {
-		if (source->again(source)) {
-			return true;
-		}
-	} while (!loop_interrupted() && clock_host_ns() - start_ns < limit_ns);
-	spins = false;
-	return false;
-}
-
-static bool serve_hot(int64_t timeout_ns)
-{
-	struct loop_source *source = hot;
-
-	if (source == NULL || hot_count >= HOT_MAX) {
+	if (hot == NULL || hot_count >= HOT_MAX) {
 		hot_count = 0;
 		return false;
 	}
+	struct loop_source *const source = hot;
+
+	hot = NULL; /* unless it says so again */
 	hot_count++;
-	if (source->again(source) || (spins && timeout_ns != 0 && spin(source, timeout_ns))) {
-		return true;
-	}
-	hot_count = 0;
-	hot = NULL;
-	return false;
+	return source->again(source);
 }
 
 static int serve_events(void)
@@ -260,15 +260,12 @@ static int serve_events(void)
 
 int loop_poll(int64_t timeout_ns)
 {
-	const bool may_spin = timeout_ns != 0 && can_spin && hot != NULL;
-	uint64_t start_ns;
 	int served;
 
-	if (serve_hot(bound_timeout(timeout_ns))) {
+	if (serve_hot()) {
 		return 1;
 	}
 	served = serve_always();
-	start_ns = may_spin ? clock_host_ns() : 0;
 	/* A source that is still hot has had its HOT_MAX turns: the others only get a look. */
 	batch_count = wait_events(served > 0 || hot != NULL ? 0 : bound_timeout(timeout_ns));
 	if (batch_count < 0) {
@@ -276,9 +273,6 @@ int loop_poll(int64_t timeout_ns)
 		if (errno != EINTR) {
 			fail("epoll_wait");
 		}
-	}
-	if (may_spin && batch_count > 0 && clock_host_ns() - start_ns < SPIN_NS) {
-		spins = true;
 	}
 	served += serve_events();
 	if (timers != NULL) {
@@ -319,17 +313,19 @@ static int start(void)
 	struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART | SA_ONSTACK};
 
 	epoll_fd = epoll_create1(EPOLL_CLOEXEC);
-	if (epoll_fd < 0 || pipe2(signal_pipe, O_CLOEXEC | O_NONBLOCK) != 0) {
+	alarm_source.fd = timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK);
+	if (epoll_fd < 0 || alarm_source.fd < 0 ||
+	    pipe2(signal_pipe, O_CLOEXEC | O_NONBLOCK) != 0) {
 		fprintf(stderr, "pharos: event loop: %s\n", strerror(errno));
 		return -1;
 	}
 	signal_source.fd = signal_pipe[0];
 	loop_add(&signal_source, EPOLLIN);
+	loop_add(&alarm_source, EPOLLIN);
 	source_count = 0;
 	sigaction(SIGINT, &action, NULL);
 	sigaction(SIGTERM, &action, NULL);
 	signal(SIGPIPE, SIG_IGN);
-	can_spin = !clock_is_virtual() && sysconf(_SC_NPROCESSORS_ONLN) > 1;
 	/* Strobe edges in real time: the default slack of 50 us would be visible. */
 	prctl(PR_SET_TIMERSLACK, 1ul);
 	return 0;
@@ -337,6 +333,8 @@ static int start(void)
 
 static void stop(void)
 {
+	loop_remove(&alarm_source);
+	close(alarm_source.fd);
 	loop_remove(&signal_source);
 	close(signal_pipe[0]);
 	close(signal_pipe[1]);

@@ -30,11 +30,7 @@ void loop_add(struct loop_source *source, uint32_t events);
 void loop_want(struct loop_source *source, uint32_t events);
 void loop_remove(struct loop_source *source);
 
-/*
- * Something came, and more may come soon: its again() is tried before the loop looks at anything
- * else, and, in real time, while peers answer within microseconds, for a short while instead of
- * going to sleep.
- */
+/* Something came, so more may: its again() is tried once before the loop looks at anything else. */
 void loop_hot(struct loop_source *source);
 
 struct loop_timer {

@@ -107,10 +107,12 @@ static void prepare_messages(void)
 	}
 }
 
-/* How many datagrams came, or -1. */
+/*
+ * How many datagrams came, or -1. One at a time recvfrom() is the cheapest; every so often a look
+ * whether they queue up, and as long as they do, a batch at once.
+ */
 static int read_batch(struct udp *udp)
 {
-	/* recvfrom() is the cheapest for one; now and then a look whether they queue up. */
 	if (udp->singles < SINGLES_MAX) {
 		socklen_t size = sizeof(senders[0]);
 		const ssize_t n = recvfrom(udp->kept.fd, datagrams[0], DATAGRAM_MAX, MSG_DONTWAIT,
