@@ -10,7 +10,7 @@ void mavlink_endpoint_init(struct mavlink_endpoint *self,
                            const struct mavlink_endpoint_config *config)
 {
 	PHAROS_ASSERT(config->system_id != 0);
-	PHAROS_ASSERT(config->links < 1u << MAVLINK_LINKS_MAX);
+	PHAROS_ASSERT((uint32_t)config->links >> MAVLINK_LINKS_MAX == 0);
 	memset(self, 0, sizeof(*self));
 	self->config = *config;
 	self->due_us = TIME_NEVER_US;
