@@ -139,10 +139,16 @@ def first_reply(process: subprocess.Popen[bytes], control: Path) -> dict[str, An
 
 # --- measurements ---------------------------------------------------------------------------------
 def client(tools: Path, mode: str, server: Server, *arguments: object) -> list[float]:
+    """Server and client each have a processor of their own, where there are two: otherwise the
+    figures depend on where the kernel happens to put them."""
+    processors = sorted(os.sched_getaffinity(0))
+    own, other = processors[-1], processors[0]
+    os.sched_setaffinity(server.pid, {other})
     words = [mode, server.peer_port, server.port, server.answer, *arguments]
     output = subprocess.run(
         [str(tools / "bench_client"), *map(str, words)],
         check=True,
+        preexec_fn=lambda: os.sched_setaffinity(0, {own}),
         capture_output=True,
         text=True,
     ).stdout
