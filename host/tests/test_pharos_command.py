@@ -19,8 +19,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from prompt_toolkit.completion import CompleteEvent
+from prompt_toolkit.document import Document
 
 from pharos.cli import main
+from pharos.cli.prompt import CommandCompleter
 from pharos.dialect import MODULE, generated_dialect, load_dialect
 from real_light import PATIENCE_S, PHAROS, RealLight, environment, run
 
@@ -364,6 +367,21 @@ def test_tab_completes_commands(light: RealLight, terminal: Callable[[], Termina
     assert light.control.request("outputs")["brightness_ppm"] == 300_000
     screen.keys("\x04")
     assert screen.end() == 0
+
+
+@pytest.mark.parametrize(
+    ("typed", "completions"),
+    [
+        ("bri", ["brightness"]),
+        ("strobe o", ["off"]),
+        ("on; strobe o", ["off"]),
+        ("strobe x", []),
+        ("dance ", []),
+    ],
+)
+def test_completions_of_a_line(typed: str, completions: list[str]) -> None:
+    found = CommandCompleter().get_completions(Document(typed), CompleteEvent())
+    assert [completion.text for completion in found] == completions
 
 
 def test_history_is_kept_between_sessions(
