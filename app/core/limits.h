@@ -36,8 +36,6 @@
 
 /* MAVLink PARAM_VALUE.param_id is 16 bytes and DroneCAN allows more: 16 without the terminator. */
 #define PARAMS_NAME_MAX 16
-/* A set of changed parameters is one uint64_t. */
-#define PARAMS_MAX      64
 
 _Static_assert(ILLUMINATOR_OUTBOX_MAX >= ILLUMINATOR_STEP_ACTIONS_MAX, "a step fits the outbox");
 _Static_assert((uint64_t)STROBE_PERIOD_CEILING_US *PPM_ONE < (uint64_t)INT64_MAX,

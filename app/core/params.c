@@ -5,9 +5,9 @@
 
 #include <string.h>
 
-#define PARAMS_INFO(id, name_, group_, unit_, min_, max_, fallback_, flags_, meaning_)             \
-	[PARAM_##id] = {                                                                           \
-		.name = (name_),                                                                   \
+#define PARAMS_INFO(name_, group_, unit_, min_, max_, fallback_, flags_, meaning_)                 \
+	[PARAM_##name_] = {                                                                        \
+		.name = #name_,                                                                    \
 		.unit = (unit_),                                                                   \
 		.meaning = (meaning_),                                                             \
 		.min = (min_),                                                                     \
@@ -19,9 +19,10 @@
 static const struct param_info table[PARAM_COUNT] = {PARAMS_TABLE(PARAMS_INFO)};
 #undef PARAMS_INFO
 
-#define PARAMS_CHECK(id, name, group, unit, min, max, fallback, flags, meaning)                    \
-	_Static_assert((min) <= (fallback) && (fallback) <= (max), #id ": default within range");  \
-	_Static_assert(sizeof(name) - 1 <= PARAMS_NAME_MAX, #id ": name fits");
+#define PARAMS_CHECK(name, group, unit, min, max, fallback, flags, meaning)                        \
+	_Static_assert((min) <= (fallback) && (fallback) <= (max),                                 \
+	               #name ": default within range");                                            \
+	_Static_assert(sizeof(#name) - 1 <= PARAMS_NAME_MAX, #name ": name fits");
 PARAMS_TABLE(PARAMS_CHECK)
 #undef PARAMS_CHECK
 
@@ -129,31 +130,31 @@ static enum params_result decide(const struct params *self, uint32_t index, int3
 	return PARAMS_OK;
 }
 
-enum params_result params_set(struct params *self, uint32_t index, int32_t value, uint64_t *changed)
+enum params_result params_set(struct params *self, uint32_t index, int32_t value,
+                              struct param_set *changed)
 {
 	const enum params_result result = decide(self, index, value);
 
-	*changed = 0;
+	*changed = (struct param_set){0};
 	if (result == PARAMS_OK && self->values[index] != value) {
 		self->values[index] = value;
-		*changed = PARAM_MASK(index);
+		param_set_add(changed, index);
 	}
 	return result;
 }
 
 enum params_result params_set_by_name(struct params *self, const char *name, size_t length,
-                                      int32_t value, uint64_t *changed)
+                                      int32_t value, struct param_set *changed)
 {
 	return params_set(self, params_find(name, length), value, changed);
 }
 
-static uint64_t to_default(struct params *self, uint32_t index)
+static void to_default(struct params *self, uint32_t index, struct param_set *changed)
 {
-	if (self->values[index] == table[index].fallback) {
-		return 0;
+	if (self->values[index] != table[index].fallback) {
+		self->values[index] = table[index].fallback;
+		param_set_add(changed, index);
 	}
-	self->values[index] = table[index].fallback;
-	return PARAM_MASK(index);
 }
 
 void params_tell(struct params *self, enum param_id id, int32_t value)
@@ -162,19 +163,21 @@ void params_tell(struct params *self, enum param_id id, int32_t value)
 	self->values[id] = value;
 }
 
-uint64_t params_reset(struct params *self)
+struct param_set params_reset(struct params *self)
 {
-	uint64_t changed = 0;
+	struct param_set changed = {0};
 
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
-		changed |= is_read_only(i) ? 0 : to_default(self, i);
+		if (!is_read_only(i)) {
+			to_default(self, i, &changed);
+		}
 	}
 	return changed;
 }
 
-uint64_t params_load(struct params *self, const int32_t values[PARAM_COUNT])
+struct param_set params_load(struct params *self, const int32_t values[PARAM_COUNT])
 {
-	uint64_t repaired = 0;
+	struct param_set repaired = {0};
 
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
 		if (is_read_only(i)) {
@@ -182,39 +185,81 @@ uint64_t params_load(struct params *self, const int32_t values[PARAM_COUNT])
 		}
 		self->values[i] = values[i];
 		if (!in_range(i, values[i])) {
-			repaired |= to_default(self, i);
+			to_default(self, i, &repaired);
 		}
 	}
 	/* A repair may break a rule next to it; once all members are defaults, all rules hold. */
 	for (uint32_t pass = 0; pass < RULES; pass++) {
 		for (uint32_t i = 0; i < RULES; i++) {
 			if (!holds(&rules[i], self->values)) {
-				repaired |= to_default(self, rules[i].less);
-				repaired |= to_default(self, rules[i].more);
+				to_default(self, rules[i].less, &repaired);
+				to_default(self, rules[i].more, &repaired);
 			}
 		}
 	}
 	return repaired;
 }
 
-uint64_t params_group_mask(enum param_group group)
+struct param_set params_settable(void)
 {
-	uint64_t mask = 0;
+	struct param_set set = {0};
 
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
-		mask |= (table[i].group == group) ? PARAM_MASK(i) : 0;
+		if (!is_read_only(i)) {
+			param_set_add(&set, i);
+		}
 	}
-	return mask;
+	return set;
 }
 
-uint64_t params_settable_mask(void)
+void param_set_add(struct param_set *self, uint32_t index)
 {
-	uint64_t mask = 0;
+	PHAROS_ASSERT(index < PARAM_COUNT);
+	self->words[index / PARAMS_SET_BITS] |= 1u << index % PARAMS_SET_BITS;
+}
 
-	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
-		mask |= is_read_only(i) ? 0 : PARAM_MASK(i);
+bool param_set_has(const struct param_set *self, uint32_t index)
+{
+	PHAROS_ASSERT(index < PARAM_COUNT);
+	return (self->words[index / PARAMS_SET_BITS] & 1u << index % PARAMS_SET_BITS) != 0;
+}
+
+bool param_set_is_empty(const struct param_set *self)
+{
+	for (uint32_t i = 0; i < PARAMS_SET_WORDS; i++) {
+		if (self->words[i] != 0) {
+			return false;
+		}
 	}
-	return mask;
+	return true;
+}
+
+void param_set_merge(struct param_set *self, const struct param_set *more)
+{
+	for (uint32_t i = 0; i < PARAMS_SET_WORDS; i++) {
+		self->words[i] |= more->words[i];
+	}
+}
+
+uint32_t param_set_take(struct param_set *self)
+{
+	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+		if (param_set_has(self, i)) {
+			self->words[i / PARAMS_SET_BITS] &= ~(1u << i % PARAMS_SET_BITS);
+			return i;
+		}
+	}
+	return PARAM_COUNT;
+}
+
+bool param_set_touches(const struct param_set *self, enum param_group group)
+{
+	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+		if (table[i].group == group && param_set_has(self, i)) {
+			return true;
+		}
+	}
+	return false;
 }
 
 static uint32_t unsigned_value(const struct params *self, enum param_id id)

@@ -14,6 +14,7 @@
 #include "threads/can_link.h"
 #include "threads/clock.h"
 #include "threads/devices.h"
+#include "threads/mavlink_node.h"
 #include "threads/storage.h"
 #include "version.h"
 
@@ -240,6 +241,13 @@ static void perform_lights(struct command *command)
 
 /* --- the node --------------------------------------------------------------------------------- */
 
+static void save_all(const struct params *params)
+{
+	const struct param_set all = params_settable();
+
+	storage_save_params(params, &all);
+}
+
 static void perform_node(struct command *command)
 {
 	for (uint8_t i = 0; i < out.node.count; i++) {
@@ -252,10 +260,10 @@ static void perform_node(struct command *command)
 			break;
 		case DRONECAN_NODE_SAVE:
 		case DRONECAN_NODE_ERASE: /* all are at their defaults now */
-			storage_save_params(&command->params, params_settable_mask());
+			save_all(&command->params);
 			break;
 		case DRONECAN_NODE_PARAMS_CHANGED:
-			command_params_changed(command, action->changed);
+			command_params_changed(command, &action->changed);
 			break;
 		case DRONECAN_NODE_ID_ALLOCATED:
 			LOG_INF("node id %u allocated", action->node_id);
@@ -298,7 +306,7 @@ static void take_frames(struct command *command, uint8_t channel)
 
 	while (mavlink_framer_next(&tunnel->framer, &frame)) {
 		tunnel->stats.rx_frames++;
-		command_take_frame(command, TUNNEL_LINK0 + channel, frame.bytes, frame.length);
+		mavlink_node_take(command, TUNNEL_LINK0 + channel, frame.bytes, frame.length);
 	}
 }
 
@@ -312,7 +320,7 @@ static void tunnel_up(struct command *command, uint8_t channel)
 	tunnel->framer.stats = kept;
 	tunnels_up += tunnel->up ? 0 : 1;
 	tunnel->up = true;
-	mavlink_endpoint_link_up(&command->mavlink, clock_now_us(), TUNNEL_LINK0 + channel);
+	mavlink_node_link_up(TUNNEL_LINK0 + channel);
 }
 
 static void perform_tunnel(struct command *command)
@@ -344,14 +352,14 @@ static void step_tunnels(struct command *command)
 		if (tunnel->up && !endpoint.tunnel.channels[channel].open) {
 			tunnel->up = false;
 			tunnels_up--;
-			mavlink_endpoint_link_down(&command->mavlink, TUNNEL_LINK0 + channel);
+			mavlink_node_link_down(TUNNEL_LINK0 + channel);
 		}
 		while (mavlink_framer_pending(&tunnel->framer) &&
 		       clock_now_us() - tunnel->heard_us >= MAVLINK_FRAMER_IDLE_US &&
 		       mavlink_framer_idle(&tunnel->framer, &frame)) {
 			tunnel->stats.rx_frames++;
-			command_take_frame(command, TUNNEL_LINK0 + channel, frame.bytes,
-			                   frame.length);
+			mavlink_node_take(command, TUNNEL_LINK0 + channel, frame.bytes,
+			                  frame.length);
 			take_frames(command, channel);
 		}
 	}

@@ -13,13 +13,11 @@
 #include "threads/can_node.h"
 #include "threads/clock.h"
 #include "threads/devices.h"
-#include "threads/identity.h"
-#include "threads/reset_cause.h"
+#include "threads/mavlink_node.h"
 #include "threads/storage.h"
 #include "threads/strobe.h"
 #include "threads/supervisor.h"
 #include "threads/thermal.h"
-#include "version.h"
 
 LOG_MODULE_REGISTER(command);
 
@@ -52,13 +50,8 @@ struct item {
 K_MSGQ_DEFINE(queue, sizeof(struct item), COMMAND_QUEUE_MAX, 8);
 
 static struct command command;
-static struct mavlink_illuminator service;
-static struct mavlink_outbox out;
 static struct command_stats stats;
 static uint32_t shown_revision;
-
-/* MAV_SYSID 0 leaves the choice to the vehicle; until one is heard, this. */
-#define SYSTEM_ID_FALLBACK 1
 
 /* --- performing what the core and the protocols returned -------------------------------------- */
 
@@ -84,7 +77,7 @@ static void notice(const struct illuminator_notice *notice)
 	can_node_log(illuminator_notice_text(notice->kind));
 }
 
-static void perform_core(const struct illuminator_outbox *actions)
+void command_perform(const struct illuminator_outbox *actions)
 {
 	for (uint32_t i = 0; i < actions->count; i++) {
 		const struct illuminator_action *const action = &actions->actions[i];
@@ -110,20 +103,6 @@ static void perform_core(const struct illuminator_outbox *actions)
 	can_node_report(&command.illuminator);
 }
 
-/* State first, then its acknowledgement. */
-static void perform(void)
-{
-	perform_core(&out.core);
-	if (out.command != 0) {
-		probe_set(devices.probe, PROBE_COMMAND, out.command);
-	}
-	for (uint16_t i = 0; i < out.count; i++) {
-		const struct mavlink_outbox_frame *const frame = &out.frames[i];
-
-		link_send(frame->link, &out.bytes[frame->offset], frame->length);
-	}
-}
-
 /* A step of the core on behalf of anyone but MAVLink. */
 static enum illuminator_result step_core(const struct illuminator_event *event)
 {
@@ -132,8 +111,8 @@ static enum illuminator_result step_core(const struct illuminator_event *event)
 	const enum illuminator_result result =
 		illuminator_step(&command.illuminator, now_us, event, &actions);
 
-	perform_core(&actions);
-	mavlink_endpoint_observe(&command.mavlink, now_us, &actions);
+	command_perform(&actions);
+	mavlink_node_observe(&actions);
 	return result;
 }
 
@@ -188,24 +167,24 @@ static void configure_arbiter(void)
 }
 
 /* MAVLink's own parameters are in force after a reset. */
-void command_params_changed(struct command *self, uint64_t changed)
+void command_params_changed(struct command *self, const struct param_set *changed)
 {
-	if ((changed & params_group_mask(PARAM_GROUP_LIGHT)) != 0) {
+	if (param_set_touches(changed, PARAM_GROUP_LIGHT)) {
 		configure_illuminator();
 	}
-	if ((changed & params_group_mask(PARAM_GROUP_THERMAL)) != 0) {
+	if (param_set_touches(changed, PARAM_GROUP_THERMAL)) {
 		configure_thermal();
 	}
-	if ((changed & params_group_mask(PARAM_GROUP_SYNC)) != 0) {
+	if (param_set_touches(changed, PARAM_GROUP_SYNC)) {
 		configure_sync();
 	}
-	if ((changed & params_group_mask(PARAM_GROUP_ARBITER)) != 0) {
+	if (param_set_touches(changed, PARAM_GROUP_ARBITER)) {
 		configure_arbiter();
 	}
-	if ((changed & params_group_mask(PARAM_GROUP_DRONECAN)) != 0) {
+	if (param_set_touches(changed, PARAM_GROUP_DRONECAN)) {
 		can_node_configure(&self->params);
 	}
-	if (changed != 0) {
+	if (!param_set_is_empty(changed)) {
 		storage_save_params(&self->params, changed);
 	}
 }
@@ -213,40 +192,22 @@ void command_params_changed(struct command *self, uint64_t changed)
 enum params_result command_set_param(struct command *self, const char *name, size_t length,
                                      int32_t value)
 {
-	uint64_t changed = 0;
+	struct param_set changed;
 	const enum params_result result =
 		params_set_by_name(&self->params, name, length, value, &changed);
 
-	command_params_changed(self, changed);
+	command_params_changed(self, &changed);
 	return result;
 }
 
 void command_reset_params(struct command *self)
 {
-	command_params_changed(self, params_reset(&self->params));
+	const struct param_set changed = params_reset(&self->params);
+
+	command_params_changed(self, &changed);
 }
 
 /* --- start ------------------------------------------------------------------------------------ */
-
-static void init_mavlink(int64_t now_us)
-{
-	const int32_t system_id = command.params.values[PARAM_MAV_SYSID];
-	const struct mavlink_endpoint_config config = {
-		.system_id = (uint8_t)(system_id != 0 ? system_id : SYSTEM_ID_FALLBACK),
-		.links = (uint8_t)link_mask(),
-	};
-	char text[sizeof("Pharos : " PHAROS_VERSION) + RESET_CAUSE_TEXT_MAX];
-	char cause[RESET_CAUSE_TEXT_MAX];
-
-	mavlink_illuminator_init(&service, &command.illuminator, &command.arbiter, identity_get());
-	mavlink_endpoint_init(&command.mavlink, &config);
-	mavlink_endpoint_add(&command.mavlink, now_us,
-	                     (uint8_t)command.params.values[PARAM_MAV_COMPID],
-	                     &mavlink_illuminator_profile, &service);
-	reset_cause_text(cause);
-	snprintk(text, sizeof(text), "Pharos %s: %s", PHAROS_VERSION, cause);
-	mavlink_endpoint_text(&command.mavlink, now_us, 6 /* MAV_SEVERITY_INFO */, text);
-}
 
 static void restore(const struct illuminator_settings *light)
 {
@@ -260,7 +221,6 @@ static void restore(const struct illuminator_settings *light)
 
 void command_init(void)
 {
-	const int64_t now_us = clock_now_us();
 	struct illuminator_settings light;
 	struct illuminator_config illuminator;
 	struct thermal_config thermal;
@@ -281,7 +241,7 @@ void command_init(void)
 	if (strobe_timer_init(&sync) != 0) {
 		LOG_ERR("the sync input does not work; external sync will time out");
 	}
-	init_mavlink(now_us);
+	mavlink_node_init(&command);
 	can_node_init(&command);
 	show_settings();
 	if (has_light && command.params.values[PARAM_LGT_RESTORE] != 0) {
@@ -353,19 +313,13 @@ static void take_thermal(const struct thermal_report *report)
 	step_core(&event);
 }
 
-void command_take_frame(struct command *self, uint8_t link, const uint8_t *bytes, size_t length)
-{
-	stats.frames++;
-	mavlink_endpoint_receive(&self->mavlink, clock_now_us(), link, bytes, length, &out);
-	perform();
-}
-
 static void take(const struct item *item)
 {
 	switch (item->kind) {
 	case ITEM_FRAME:
-		command_take_frame(&command, item->frame->link, item->frame->bytes,
-		                   item->frame->length);
+		stats.frames++;
+		mavlink_node_take(&command, item->frame->link, item->frame->bytes,
+		                  item->frame->length);
 		link_frame_free(item->frame);
 		break;
 	case ITEM_CAN:
@@ -391,8 +345,8 @@ static void show_commander(void)
 	params_tell(&command.params, PARAM_LGT_SRC_NOW, (int32_t)command.arbiter.commander);
 }
 
-/* Everything that is due by itself: streams, and what happens when every commander is silent. */
-static void step_due(void)
+/* What happens when every commander is silent. */
+static void step_arbiter(void)
 {
 	const int64_t now_us = clock_now_us();
 
@@ -405,17 +359,13 @@ static void step_due(void)
 
 		step_core(&event);
 	}
-	while (mavlink_endpoint_deadline_us(&command.mavlink) <= now_us) {
-		mavlink_endpoint_step(&command.mavlink, now_us, &out);
-		perform();
-	}
 }
 
 void command_run(void *p1, void *p2, void *p3)
 {
 	for (;;) {
-		const int64_t core_us = MIN(arbiter_deadline_us(&command.arbiter),
-		                            mavlink_endpoint_deadline_us(&command.mavlink));
+		const int64_t core_us =
+			MIN(arbiter_deadline_us(&command.arbiter), mavlink_node_deadline_us());
 		const int64_t deadline_us = MIN(core_us, can_node_deadline_us());
 		const int64_t report_us = clock_now_us() + SUPERVISOR_REPORT_MS * US_PER_MS;
 		struct item item;
@@ -423,8 +373,9 @@ void command_run(void *p1, void *p2, void *p3)
 		if (k_msgq_get(&queue, &item, clock_timeout(MIN(deadline_us, report_us))) == 0) {
 			take(&item);
 		}
-		step_due();
+		step_arbiter();
 		show_commander();
+		mavlink_node_step(&command);
 		can_node_step(&command);
 		supervisor_report(SUPERVISOR_COMMAND);
 	}

@@ -13,8 +13,6 @@
 #include "core/arbiter.h"
 #include "core/illuminator.h"
 #include "core/params.h"
-#include "proto/mavlink/endpoint.h"
-#include "proto/mavlink/illuminator_service.h"
 #include "threads/link.h"
 
 struct dronecan_frame;
@@ -24,7 +22,6 @@ struct command {
 	struct illuminator illuminator;
 	struct arbiter arbiter;
 	struct params params;
-	struct mavlink_endpoint mavlink;
 };
 
 struct command_stats {
@@ -75,11 +72,11 @@ enum params_result command_set_param(struct command *command, const char *name, 
                                      int32_t value);
 void command_reset_params(struct command *command);
 
-/* The same, of a mask of parameters that have already been changed. */
-void command_params_changed(struct command *command, uint64_t changed);
+/* The same, of parameters that have already been changed. */
+void command_params_changed(struct command *command, const struct param_set *changed);
 
-/* From functions that run in the command thread: a verified MAVLink frame has come on a link. */
-void command_take_frame(struct command *command, uint8_t link, const uint8_t *bytes, size_t length);
+/* From functions that run in the command thread: carry out what a step of the core returned. */
+void command_perform(const struct illuminator_outbox *actions);
 
 /* Counters; any thread. */
 struct command_stats command_stats_get(void);

@@ -30,7 +30,7 @@ struct stored_light {
 
 /* What is to be written; changed under irq_lock(). */
 static struct {
-	uint64_t params;
+	struct param_set params;
 	int32_t values[PARAM_COUNT];
 	bool light;
 	struct stored_light settings;
@@ -92,10 +92,10 @@ int storage_load(struct params *params, struct illuminator_settings *light, bool
 		*has_light = false;
 		return error;
 	}
-	const uint64_t refused = params_load(params, loading.values);
+	const struct param_set refused = params_load(params, loading.values);
 
 	for (uint32_t index = 0; index < PARAM_COUNT; index++) {
-		if ((refused & PARAM_MASK(index)) != 0) {
+		if (param_set_has(&refused, index)) {
 			LOG_WRN("stored %s does not fit; default applies",
 			        params_info(index)->name);
 			stats.refused++;
@@ -114,11 +114,11 @@ int storage_load(struct params *params, struct illuminator_settings *light, bool
 
 /* --- save ------------------------------------------------------------------------------------- */
 
-void storage_save_params(const struct params *params, uint64_t mask)
+void storage_save_params(const struct params *params, const struct param_set *changed)
 {
 	const unsigned int key = irq_lock();
 
-	pending.params |= mask;
+	param_set_merge(&pending.params, changed);
 	memcpy(pending.values, params->values, sizeof(pending.values));
 	irq_unlock(key);
 	k_sem_give(&requested);
@@ -165,13 +165,11 @@ static void write_value(const char *name, const void *value, size_t length)
 static bool write_param(void)
 {
 	const unsigned int key = irq_lock();
-	const uint64_t mask = pending.params;
-	const uint32_t index = mask != 0 ? (uint32_t)__builtin_ctzll(mask) : 0;
-	const int32_t value = pending.values[index];
+	const uint32_t index = param_set_take(&pending.params);
+	const int32_t value = index < PARAM_COUNT ? pending.values[index] : 0;
 
-	pending.params &= mask - 1;
 	irq_unlock(key);
-	if (mask == 0) {
+	if (index == PARAM_COUNT) {
 		return false;
 	}
 	char name[STORED_NAME_MAX];

@@ -27,7 +27,7 @@ struct storage_stats {
 int storage_load(struct params *params, struct illuminator_settings *light, bool *has_light);
 
 /* Write the parameters of the mask, as they are now. Command thread. */
-void storage_save_params(const struct params *params, uint64_t mask);
+void storage_save_params(const struct params *params, const struct param_set *changed);
 
 /* Write the settings, once they have stood for a second. Command thread. */
 void storage_save_light(const struct illuminator_settings *light);

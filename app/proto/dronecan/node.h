@@ -51,7 +51,7 @@ enum dronecan_node_action_kind {
 struct dronecan_node_action {
 	enum dronecan_node_action_kind kind;
 	union {
-		uint64_t changed; /* PARAM_MASK */
+		struct param_set changed;
 		uint8_t node_id;
 	};
 };

@@ -6,12 +6,12 @@
 _Static_assert(PARAMS_NAME_MAX <= sizeof(((struct dronecan_param_get_set_response *)0)->name),
                "a parameter's name fits");
 
-static void add_changed(struct dronecan_node_outbox *out, uint64_t changed)
+static void add_changed(struct dronecan_node_outbox *out, const struct param_set *changed)
 {
-	if (changed != 0) {
+	if (!param_set_is_empty(changed)) {
 		out->actions[out->count++] = (struct dronecan_node_action){
 			.kind = DRONECAN_NODE_PARAMS_CHANGED,
-			.changed = changed,
+			.changed = *changed,
 		};
 	}
 }
@@ -46,7 +46,7 @@ static bool as_integer(const struct dronecan_param_value *value, int32_t *intege
 static void set(struct dronecan_node *self, uint32_t index,
                 const struct dronecan_param_value *value, struct dronecan_node_outbox *out)
 {
-	uint64_t changed = 0;
+	struct param_set changed;
 	int32_t integer;
 
 	if (!as_integer(value, &integer) ||
@@ -54,7 +54,7 @@ static void set(struct dronecan_node *self, uint32_t index,
 		self->stats.params_refused++;
 		return;
 	}
-	add_changed(out, changed);
+	add_changed(out, &changed);
 }
 
 static struct dronecan_param_numeric_value numeric(int32_t value)
@@ -117,6 +117,13 @@ void dronecan_node_get_set(struct dronecan_node *self, int64_t now_us,
 	answer(self, now_us, request, index);
 }
 
+static void reset(struct dronecan_node *self, struct dronecan_node_outbox *out)
+{
+	const struct param_set changed = params_reset(self->params);
+
+	add_changed(out, &changed);
+}
+
 void dronecan_node_execute_opcode(struct dronecan_node *self, int64_t now_us,
                                   const struct dronecan_transfer *request,
                                   struct dronecan_node_outbox *out)
@@ -137,7 +144,7 @@ void dronecan_node_execute_opcode(struct dronecan_node *self, int64_t now_us,
 	} else if (message.opcode == DRONECAN_PARAM_EXECUTE_OPCODE_OPCODE_ERASE) {
 		out->actions[out->count++] =
 			(struct dronecan_node_action){.kind = DRONECAN_NODE_ERASE};
-		add_changed(out, params_reset(self->params));
+		reset(self, out);
 	} else {
 		response.ok = false;
 	}

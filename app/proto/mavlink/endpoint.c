@@ -138,11 +138,39 @@ void mavlink_endpoint_receive(struct mavlink_endpoint *self, int64_t now_us, uin
 	}
 }
 
+static bool services_step(struct mavlink_context *context)
+{
+	for (uint8_t i = 0; i < context->endpoint->component_count; i++) {
+		context->component = &context->endpoint->components[i];
+		if (context->component->profile->step != NULL &&
+		    !context->component->profile->step(context)) {
+			return false;
+		}
+	}
+	return true;
+}
+
+static int64_t services_due_us(const struct mavlink_endpoint *self)
+{
+	int64_t due_us = TIME_NEVER_US;
+
+	for (uint8_t i = 0; i < self->component_count; i++) {
+		const struct mavlink_component *const component = &self->components[i];
+
+		if (component->profile->deadline_us != NULL) {
+			const int64_t its_us = component->profile->deadline_us(component->service);
+
+			due_us = its_us < due_us ? its_us : due_us;
+		}
+	}
+	return due_us;
+}
+
 void mavlink_endpoint_step(struct mavlink_endpoint *self, int64_t now_us,
                            struct mavlink_outbox *out)
 {
 	mavlink_outbox_clear(out);
-	if (now_us < self->due_us) {
+	if (now_us < mavlink_endpoint_deadline_us(self)) {
 		return;
 	}
 
@@ -150,12 +178,15 @@ void mavlink_endpoint_step(struct mavlink_endpoint *self, int64_t now_us,
 
 	if (mavlink_streams_step(&context) && mavlink_texts_step(&context)) {
 		self->due_us = mavlink_streams_due_us(self);
+		(void)services_step(&context);
 	}
 }
 
 int64_t mavlink_endpoint_deadline_us(const struct mavlink_endpoint *self)
 {
-	return self->due_us;
+	const int64_t services_us = services_due_us(self);
+
+	return services_us < self->due_us ? services_us : self->due_us;
 }
 
 void mavlink_endpoint_observe(struct mavlink_endpoint *self, int64_t now_us,

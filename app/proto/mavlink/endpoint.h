@@ -108,6 +108,13 @@ struct mavlink_profile {
 	const struct mavlink_message_row *messages;
 	const struct mavlink_receiver_row *receivers;
 	uint8_t (*system_status)(const void *service); /* MAV_STATE */
+	/*
+	 * What goes out by itself beside the streams (a list of parameters, a burst of a file, a
+	 * command that takes time): sends what is due while the outbox has room. false: more is due
+	 * than had room. deadline_us: when next, TIME_NEVER_US: nothing. Both or none.
+	 */
+	bool (*step)(const struct mavlink_context *context);
+	int64_t (*deadline_us)(const void *service);
 	/* The core did something on another's behalf; may be NULL. */
 	void (*observe)(const struct mavlink_context *context,
 	                const struct illuminator_outbox *actions);

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What the endpoint wants done: first the core's actions, then the frames in their order. So state
+ * What the endpoint wants done: first the core's actions and changed parameters, then the frames in
+ * their order. So state
  * is in force before its acknowledgement leaves.
  */
 #ifndef PHAROS_PROTO_MAVLINK_OUTBOX_H
 #define PHAROS_PROTO_MAVLINK_OUTBOX_H
 
 #include "core/illuminator.h"
+#include "core/params.h"
 #include "proto/mavlink/limits.h"
 
 #include <stdbool.h>
@@ -20,7 +22,8 @@ struct mavlink_outbox_frame {
 
 struct mavlink_outbox {
 	struct illuminator_outbox core;
-	uint16_t command; /* that was carried out and acknowledged; 0: none */
+	struct param_set params; /* that have changed: to put in force and to store */
+	uint16_t command;        /* that was carried out and acknowledged; 0: none */
 	uint16_t count;
 	uint16_t used;
 	struct mavlink_outbox_frame frames[MAVLINK_OUTBOX_FRAMES];
@@ -30,6 +33,7 @@ struct mavlink_outbox {
 static inline void mavlink_outbox_clear(struct mavlink_outbox *self)
 {
 	self->core.count = 0;
+	self->params = (struct param_set){0};
 	self->command = 0;
 	self->count = 0;
 	self->used = 0;

@@ -273,7 +273,8 @@ static void set_by_name(bool fd)
 	zassert_equal(device_params.values[PARAM_LGT_LOSS_MS], 5000);
 	zassert_equal(device_out.node.count, 1);
 	zassert_equal(device_out.node.actions[0].kind, DRONECAN_NODE_PARAMS_CHANGED);
-	zassert_equal(device_out.node.actions[0].changed, PARAM_MASK(PARAM_LGT_LOSS_MS));
+	zassert_equal(param_set_take(&device_out.node.actions[0].changed), PARAM_LGT_LOSS_MS);
+	zassert_true(param_set_is_empty(&device_out.node.actions[0].changed));
 }
 
 ZTEST(dronecan_node, test_a_param_is_set_by_name)
@@ -341,7 +342,8 @@ ZTEST(dronecan_node, test_execute_opcode_saves_and_erases)
 	zassert_true(opcode(DRONECAN_PARAM_EXECUTE_OPCODE_OPCODE_ERASE));
 	zassert_equal(device_out.node.count, 2);
 	zassert_equal(device_out.node.actions[0].kind, DRONECAN_NODE_ERASE);
-	zassert_equal(device_out.node.actions[1].changed, PARAM_MASK(PARAM_LGT_LOSS_MS));
+	zassert_equal(param_set_take(&device_out.node.actions[1].changed), PARAM_LGT_LOSS_MS);
+	zassert_true(param_set_is_empty(&device_out.node.actions[1].changed));
 	zassert_equal(device_params.values[PARAM_LGT_LOSS_MS], fallback);
 
 	zassert_false(opcode(2));

@@ -35,7 +35,8 @@ ZTEST(mavlink_addressing, test_targets)
 
 	for (size_t i = 0; i < ARRAY_SIZE(table); i++) {
 		fixture_before(NULL);
-		receive_long(0, table[i].system, table[i].component, 405, (struct params){{1}});
+		receive_long(0, table[i].system, table[i].component, 405,
+		             (struct command_params){{1}});
 		zassert_equal(out.count, table[i].answered ? 1 : 0, "%u/%u", table[i].system,
 		              table[i].component);
 		zassert_equal(light.settings.enable, table[i].answered);
@@ -44,14 +45,14 @@ ZTEST(mavlink_addressing, test_targets)
 
 ZTEST(mavlink_addressing, test_unknown_command_to_another_meets_silence)
 {
-	receive_long(0, 1, 1, 400, (struct params){{1}});
+	receive_long(0, 1, 1, 400, (struct command_params){{1}});
 	zassert_equal(out.count, 0);
 }
 
 ZTEST(mavlink_addressing, test_answer_goes_to_the_link_it_came_from)
 {
 	for (uint8_t link = 0; link < 2; link++) {
-		receive_long(link, 1, 243, 512, (struct params){{396}});
+		receive_long(link, 1, 243, 512, (struct command_params){{396}});
 		zassert_equal(out.count, 2);
 		zassert_equal(out.frames[0].link, link);
 		zassert_equal(out.frames[1].link, link);
@@ -95,10 +96,10 @@ ZTEST(mavlink_addressing, test_request_that_version_1_cannot_answer_fails)
 ZTEST(mavlink_addressing, test_each_link_has_its_own_sequence)
 {
 	for (int i = 0; i < 300; i++) {
-		receive_long(0, 1, 243, 405, (struct params){{1}});
+		receive_long(0, 1, 243, 405, (struct command_params){{1}});
 		zassert_equal(sent(0).sequence, i % 256);
 	}
-	receive_long(1, 1, 243, 405, (struct params){{1}});
+	receive_long(1, 1, 243, 405, (struct command_params){{1}});
 	zassert_equal(sent(0).sequence, 0);
 }
 
@@ -143,12 +144,12 @@ ZTEST(mavlink_addressing, test_two_components_answer_for_themselves)
 	gimbal.observe = NULL;
 	mavlink_endpoint_add(&endpoint, now_us, 154, &gimbal, &service);
 
-	receive_long(0, 1, 154, 405, (struct params){{1}});
+	receive_long(0, 1, 154, 405, (struct command_params){{1}});
 	zassert_equal(out.count, 1);
 	zassert_equal(sent(0).component_id, 154);
 	zassert_false(light.settings.enable);
 
-	receive_long(0, 0, 0, 405, (struct params){{1}});
+	receive_long(0, 0, 0, 405, (struct command_params){{1}});
 	zassert_equal(out.count, 2);
 	zassert_equal(sent(0).component_id, 243);
 	zassert_equal(sent(1).component_id, 154);

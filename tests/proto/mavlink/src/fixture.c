@@ -56,7 +56,7 @@ void receive_message(uint8_t link, const struct mavlink_kind *kind, const void *
 }
 
 void receive_long(uint8_t link, uint8_t system, uint8_t component, uint16_t id,
-                  struct params params)
+                  struct command_params params)
 {
 	static const struct mavlink_kind kind = MAVLINK_KIND(COMMAND_LONG);
 	const mavlink_command_long_t wire = {
@@ -75,7 +75,7 @@ void receive_long(uint8_t link, uint8_t system, uint8_t component, uint16_t id,
 	receive_message(link, &kind, &wire);
 }
 
-uint8_t command(uint16_t id, struct params params)
+uint8_t command(uint16_t id, struct command_params params)
 {
 	mavlink_command_ack_t ack;
 

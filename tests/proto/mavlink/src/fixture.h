@@ -35,18 +35,18 @@ void receive(uint8_t link, const uint8_t *bytes, size_t length);
 void receive_message(uint8_t link, const struct mavlink_kind *kind, const void *payload);
 
 /* A COMMAND_LONG to anyone; params beyond the fifth and seventh are 0. */
-struct params {
+struct command_params {
 	float p[7];
 };
 void receive_long(uint8_t link, uint8_t system, uint8_t component, uint16_t id,
-                  struct params params);
+                  struct command_params params);
 
 /*
  * A COMMAND_LONG to the light on link 0, which must be answered by an acknowledgement to the ground
  * station and nothing before it. Returns the result.
  */
-uint8_t command(uint16_t id, struct params params);
-#define COMMAND(id, ...) command((id), (struct params){{__VA_ARGS__}})
+uint8_t command(uint16_t id, struct command_params params);
+#define COMMAND(id, ...) command((id), (struct command_params){{__VA_ARGS__}})
 
 /* Moves time on, stepping the endpoint whenever it wants; frames are counted, not kept. */
 struct tally {

@@ -89,7 +89,7 @@ ZTEST(mavlink_illuminator, test_406_denies_what_is_out_of_range_and_changes_noth
 	const uint32_t revision = light.revision;
 
 	for (size_t i = 0; i < ARRAY_SIZE(bad); i++) {
-		struct params params = {{good[0], good[1], good[2], good[3]}};
+		struct command_params params = {{good[0], good[1], good[2], good[3]}};
 
 		params.p[bad[i].which] = bad[i].value;
 		zassert_equal(command(406, params), MAV_RESULT_DENIED, "row %u", (unsigned int)i);

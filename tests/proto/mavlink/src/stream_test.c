@@ -183,9 +183,9 @@ ZTEST(mavlink_stream, test_an_endpoint_without_components_is_never_due)
 ZTEST(mavlink_stream, test_a_new_system_id_is_used_and_listened_to)
 {
 	mavlink_endpoint_set_system_id(&endpoint, 42);
-	receive_long(0, 1, 243, 405, (struct params){{1}});
+	receive_long(0, 1, 243, 405, (struct command_params){{1}});
 	zassert_equal(out.count, 0);
-	receive_long(0, 42, 243, 405, (struct params){{1}});
+	receive_long(0, 42, 243, 405, (struct command_params){{1}});
 	zassert_equal(out.count, 1);
 	zassert_equal(sent(0).system_id, 42);
 }

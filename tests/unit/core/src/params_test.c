@@ -6,12 +6,12 @@
 #include <zephyr/ztest.h>
 
 static struct params params;
-static uint64_t changed;
+static struct param_set changed;
 
 static void before(void *fixture)
 {
 	params_init(&params);
-	changed = UINT64_MAX;
+	memset(&changed, 0xFF, sizeof(changed));
 }
 
 ZTEST_SUITE(core_params, NULL, NULL, before, NULL, NULL);
@@ -19,6 +19,17 @@ ZTEST_SUITE(core_params, NULL, NULL, before, NULL, NULL);
 static enum params_result set(const char *name, int32_t value)
 {
 	return params_set_by_name(&params, name, strlen(name), value, &changed);
+}
+
+/* The set holds these and nothing else. */
+static bool is_just(struct param_set set, const uint32_t *indices, size_t count)
+{
+	for (size_t i = 0; i < count; i++) {
+		if (param_set_take(&set) != indices[i]) {
+			return false;
+		}
+	}
+	return param_set_is_empty(&set);
 }
 
 static int32_t get(const char *name)
@@ -66,17 +77,17 @@ ZTEST(core_params, test_defaults_are_kconfig_values_and_can_all_be_set)
 			params_set(&params, i, params_info(i)->fallback, &changed);
 
 		zassert_equal(result, is_read_only(i) ? PARAMS_READ_ONLY : PARAMS_OK);
-		zassert_equal(changed, 0, "it was that already");
+		zassert_true(param_set_is_empty(&changed), "it was that already");
 	}
 }
 
 ZTEST(core_params, test_set_tells_what_changed)
 {
 	zassert_equal(set("SYNC_MODE", 1), PARAMS_OK);
-	zassert_equal(changed, PARAM_MASK(PARAM_SYNC_MODE));
+	zassert_true(is_just(changed, &(const uint32_t){PARAM_SYNC_MODE}, 1));
 	zassert_equal(get("SYNC_MODE"), 1);
 	zassert_equal(set("SYNC_MODE", 1), PARAMS_OK);
-	zassert_equal(changed, 0);
+	zassert_true(param_set_is_empty(&changed));
 }
 
 ZTEST(core_params, test_unknown_names_and_indices)
@@ -86,7 +97,7 @@ ZTEST(core_params, test_unknown_names_and_indices)
 	zassert_equal(params_get(&params, PARAM_COUNT, &value), PARAMS_UNKNOWN);
 	zassert_equal(value, 77);
 	zassert_equal(params_set(&params, UINT32_MAX, 0, &changed), PARAMS_UNKNOWN);
-	zassert_equal(changed, 0);
+	zassert_true(param_set_is_empty(&changed));
 	zassert_equal(set("SYNC_MOD", 1), PARAMS_UNKNOWN);
 	zassert_equal(set("SYNC_MODE_", 1), PARAMS_UNKNOWN);
 	zassert_equal(set("", 1), PARAMS_UNKNOWN);
@@ -111,7 +122,7 @@ ZTEST(core_params, test_each_range_is_closed)
 			zassert_equal(params_set(&params, i, info->max + 1, &changed),
 			              PARAMS_OUT_OF_RANGE, "%s", info->name);
 		}
-		zassert_equal(changed, 0);
+		zassert_true(param_set_is_empty(&changed));
 		zassert_mem_equal(&params, &kept, sizeof(kept));
 	}
 	zassert_equal(set("SYNC_FILT_US", 0), PARAMS_OK);
@@ -126,7 +137,7 @@ ZTEST(core_params, test_temperatures_stay_in_order)
 	const int32_t top = get("THR_SENS_MAX");
 
 	zassert_equal(set("THR_RECOVER", throttle), PARAMS_CONFLICT);
-	zassert_equal(changed, 0);
+	zassert_true(param_set_is_empty(&changed));
 	zassert_equal(set("THR_RECOVER", throttle - 1), PARAMS_OK);
 	zassert_equal(set("THR_RECOVER", recover), PARAMS_OK);
 	zassert_equal(set("THR_THROTTLE", shutdown), PARAMS_CONFLICT);
@@ -150,28 +161,30 @@ ZTEST(core_params, test_strobe_periods_stay_in_order_and_may_be_equal)
 
 ZTEST(core_params, test_reset_tells_what_changed)
 {
-	zassert_equal(params_reset(&params), 0);
+	static const uint32_t both[] = {PARAM_LGT_CURVE, PARAM_SYNC_MODE};
+
+	zassert_true(is_just(params_reset(&params), NULL, 0));
 	set("SYNC_MODE", 1);
 	set("LGT_CURVE", 0);
-	zassert_equal(params_reset(&params),
-	              PARAM_MASK(PARAM_SYNC_MODE) | PARAM_MASK(PARAM_LGT_CURVE));
+	zassert_true(is_just(params_reset(&params), both, 2));
 	zassert_equal(get("SYNC_MODE"), 0);
 }
 
 /* Issue "CAN and GPIO" 4: who is in command shows in a parameter. */
 ZTEST(core_params, test_read_only_one_is_told_not_set_reset_or_loaded)
 {
+	const struct param_set settable = params_settable();
 	struct params stored = params;
 
 	params_tell(&params, PARAM_LGT_SRC_NOW, ARBITER_SOURCE_DRONECAN);
 	zassert_equal(get("LGT_SRC_NOW"), 2);
 	zassert_equal(set("LGT_SRC_NOW", 1), PARAMS_READ_ONLY);
-	zassert_equal(params_reset(&params), 0);
+	zassert_true(is_just(params_reset(&params), NULL, 0));
 	stored.values[PARAM_LGT_SRC_NOW] = 4;
-	zassert_equal(params_load(&params, stored.values), 0);
+	zassert_true(is_just(params_load(&params, stored.values), NULL, 0));
 	zassert_equal(get("LGT_SRC_NOW"), 2);
-	zassert_equal(params_settable_mask() & PARAM_MASK(PARAM_LGT_SRC_NOW), 0);
-	zassert_true((params_settable_mask() & PARAM_MASK(PARAM_LGT_SRC_PRIO)) != 0);
+	zassert_false(param_set_has(&settable, PARAM_LGT_SRC_NOW));
+	zassert_true(param_set_has(&settable, PARAM_LGT_SRC_PRIO));
 }
 
 ZTEST(core_params, test_load_takes_a_set_that_no_order_of_single_sets_would)
@@ -181,19 +194,19 @@ ZTEST(core_params, test_load_takes_a_set_that_no_order_of_single_sets_would)
 	stored.values[PARAM_THR_RECOVER] = 110000;
 	stored.values[PARAM_THR_THROTTLE] = 120000;
 	stored.values[PARAM_THR_SHUTDOWN] = 130000;
-	zassert_equal(params_load(&params, stored.values), 0);
+	zassert_true(is_just(params_load(&params, stored.values), NULL, 0));
 	zassert_equal(get("THR_RECOVER"), 110000);
 }
 
 ZTEST(core_params, test_load_repairs_what_is_out_of_range_or_at_odds)
 {
+	static const uint32_t bad[] = {PARAM_THR_RECOVER, PARAM_SYNC_MODE};
 	struct params stored = params;
 
 	stored.values[PARAM_SYNC_MODE] = 2;
 	stored.values[PARAM_LGT_CURVE] = 0;
 	stored.values[PARAM_THR_RECOVER] = 100000; /* above the default throttle */
-	zassert_equal(params_load(&params, stored.values),
-	              PARAM_MASK(PARAM_SYNC_MODE) | PARAM_MASK(PARAM_THR_RECOVER));
+	zassert_true(is_just(params_load(&params, stored.values), bad, 2));
 	zassert_equal(get("LGT_CURVE"), 0, "the good ones are kept");
 	zassert_equal(get("THR_RECOVER"), CONFIG_PHAROS_THERMAL_RECOVER_MDEGC);
 }
@@ -230,18 +243,32 @@ ZTEST(core_params, test_any_garbage_loads_as_something_that_works)
 	}
 }
 
-ZTEST(core_params, test_groups_divide_the_table)
+ZTEST(core_params, test_each_touches_its_group_only)
 {
-	uint64_t all = 0;
+	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+		struct param_set set = {0};
 
-	for (enum param_group group = PARAM_GROUP_LIGHT; group <= PARAM_GROUP_DRONECAN; group++) {
-		const uint64_t mask = params_group_mask(group);
-
-		zassert_equal(all & mask, 0);
-		all |= mask;
+		param_set_add(&set, i);
+		for (int group = 0; group < PARAM_GROUP_COUNT; group++) {
+			zassert_equal(param_set_touches(&set, group),
+			              group == (int)params_info(i)->group);
+		}
 	}
-	zassert_equal(all, (UINT64_C(1) << PARAM_COUNT) - 1);
-	zassert_true((params_group_mask(PARAM_GROUP_SYNC) & PARAM_MASK(PARAM_SYNC_POL)) != 0);
+	zassert_equal(params_info(PARAM_SYNC_POL)->group, PARAM_GROUP_SYNC);
+}
+
+ZTEST(core_params, test_a_set_gives_back_what_was_added)
+{
+	struct param_set set = {0};
+	struct param_set more = {0};
+
+	zassert_equal(param_set_take(&set), PARAM_COUNT);
+	param_set_add(&set, 0);
+	param_set_add(&more, 31);
+	param_set_add(&more, 32); /* the next word */
+	param_set_add(&more, PARAM_COUNT - 1);
+	param_set_merge(&set, &more);
+	zassert_true(is_just(set, (const uint32_t[]){0, 31, 32, PARAM_COUNT - 1}, 4));
 }
 
 ZTEST(core_params, test_modules_get_their_units)

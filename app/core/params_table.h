@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The table behind params.h, a macro per group. A parameter's index is its place; new ones go to
+ * the end of their group. Rows:
+ *
+ * X(name, group, unit, min, max, default, flags, meaning)
+ */
+#ifndef PHAROS_CORE_PARAMS_TABLE_H
+#define PHAROS_CORE_PARAMS_TABLE_H
+
+/* The light itself. */
+#define PARAMS_LIGHT(X)                                                                            \
+	X(LGT_CURVE, LIGHT, "", 0, 1, CONFIG_PHAROS_LIGHT_CURVE, 0,                                \
+	  "Brightness to light: 0 linear, 1 perceptual (CIE 1931)")                                \
+	X(LGT_RESTORE, LIGHT, "", 0, 1, CONFIG_PHAROS_LIGHT_RESTORE, PARAM_FLAG_REBOOT,            \
+	  "After a reset: 0 off, 1 as it was last commanded")                                      \
+	X(STRB_MIN_US, LIGHT, "us", 1000, 60000000, CONFIG_PHAROS_STROBE_PERIOD_MIN_US, 0,         \
+	  "Shortest strobe period")                                                                \
+	X(STRB_MAX_US, LIGHT, "us", 1000, 60000000, CONFIG_PHAROS_STROBE_PERIOD_MAX_US, 0,         \
+	  "Longest strobe period")
+
+/* Who commands, and what holds when nobody does. */
+#define PARAMS_ARBITER(X)                                                                          \
+	X(LGT_FALLBACK, ARBITER, "", 0, 2, CONFIG_PHAROS_LIGHT_FALLBACK, 0,                        \
+	  "When every commander is silent: 0 keep, 1 off, 2 beacon")                               \
+	X(LGT_LOSS_MS, ARBITER, "ms", 0, 3600000, CONFIG_PHAROS_LIGHT_LOSS_MS, 0,                  \
+	  "Silence after which the fallback applies, 0 never")                                     \
+	X(LGT_SRC_PRIO, ARBITER, "", 0, 4, CONFIG_PHAROS_SOURCE_PRIORITY, 0,                       \
+	  "Source that outranks the others: 0 none, 1 MAVLink, 2 DroneCAN, 3 IMC, 4 shell")        \
+	X(LGT_SRC_HOLD, ARBITER, "ms", 0, 3600000, CONFIG_PHAROS_SOURCE_HOLD_MS, 0,                \
+	  "How long after its last command that source outranks the others")                       \
+	X(LGT_SRC_EXCL, ARBITER, "", 0, 15, CONFIG_PHAROS_SOURCE_EXCLUDE, 0,                       \
+	  "Sources that may not command: sum of 1 MAVLink, 2 DroneCAN, 4 IMC, 8 shell")            \
+	X(LGT_SRC_NOW, ARBITER, "", 0, 5, 0, PARAM_FLAG_READ_ONLY,                                 \
+	  "Source in command: as LGT_SRC_PRIO, 5 the fallback")
+
+/* Heat. */
+#define PARAMS_THERMAL(X)                                                                          \
+	X(THR_THROTTLE, THERMAL, "mdegC", -40000, 150000, CONFIG_PHAROS_THERMAL_THROTTLE_MDEGC, 0, \
+	  "Derating begins here")                                                                  \
+	X(THR_SHUTDOWN, THERMAL, "mdegC", -40000, 150000, CONFIG_PHAROS_THERMAL_SHUTDOWN_MDEGC, 0, \
+	  "The lamp goes off here")                                                                \
+	X(THR_RECOVER, THERMAL, "mdegC", -40000, 150000, CONFIG_PHAROS_THERMAL_RECOVER_MDEGC, 0,   \
+	  "Below this a shutdown ends")                                                            \
+	X(THR_HYST, THERMAL, "mdegC", 0, 50000, CONFIG_PHAROS_THERMAL_HYSTERESIS_MDEGC, 0,         \
+	  "Throttling ends this far below its begin")                                              \
+	X(THR_FLOOR, THERMAL, "ppm", 0, 1000000, CONFIG_PHAROS_THERMAL_FLOOR_PPM, 0,               \
+	  "Limit that derating reaches just below shutdown")                                       \
+	X(THR_SAFE, THERMAL, "ppm", 0, 1000000, CONFIG_PHAROS_THERMAL_SAFE_PPM, 0,                 \
+	  "Limit while the sensor has failed")                                                     \
+	X(THR_SLEW, THERMAL, "ppm/s", 1, 1000000000, CONFIG_PHAROS_THERMAL_SLEW_PPM_PER_S, 0,      \
+	  "Fastest rise of the limit")                                                             \
+	X(THR_SENS_MIN, THERMAL, "mdegC", -273150, 1000000,                                        \
+	  CONFIG_PHAROS_THERMAL_SENSOR_MIN_MDEGC, 0, "Colder than this is not plausible")          \
+	X(THR_SENS_MAX, THERMAL, "mdegC", -273150, 1000000,                                        \
+	  CONFIG_PHAROS_THERMAL_SENSOR_MAX_MDEGC, 0, "Hotter than this is not plausible")          \
+	X(THR_RATE, THERMAL, "mdegC/s", 1, 10000000,                                               \
+	  CONFIG_PHAROS_THERMAL_SENSOR_RATE_MDEGC_PER_S, 0, "Faster changes are not plausible")    \
+	X(THR_NOISE, THERMAL, "mdegC", 0, 100000, CONFIG_PHAROS_THERMAL_SENSOR_NOISE_MDEGC, 0,     \
+	  "Noise allowed beyond that rate")                                                        \
+	X(THR_STUCK_MS, THERMAL, "ms", 100, 3600000, CONFIG_PHAROS_THERMAL_SENSOR_STUCK_MS, 0,     \
+	  "A lit lamp's sensor may stand still so long")                                           \
+	X(THR_MISS_MS, THERMAL, "ms", 100, 60000, CONFIG_PHAROS_THERMAL_SENSOR_MISSING_MS, 0,      \
+	  "Samples may stay away so long")                                                         \
+	X(THR_GOOD_N, THERMAL, "", 1, 1000, CONFIG_PHAROS_THERMAL_SENSOR_GOOD_SAMPLES, 0,          \
+	  "Good samples in a row that heal a sensor")
+
+/* External sync. */
+#define PARAMS_SYNC(X)                                                                             \
+	X(SYNC_MODE, SYNC, "", 0, 1, CONFIG_PHAROS_SYNC_MODE, 0,                                   \
+	  "External sync: 0 the gate follows the input, 1 each edge gives a pulse")                \
+	X(SYNC_POL, SYNC, "", 0, 1, CONFIG_PHAROS_SYNC_POLARITY, 0,                                \
+	  "Input is active: 0 high, 1 low")                                                        \
+	X(SYNC_RETRIG, SYNC, "", 0, 1, CONFIG_PHAROS_SYNC_RETRIGGER, 0,                            \
+	  "An edge during a pulse: 0 is ignored, 1 prolongs it")                                   \
+	X(SYNC_LOSS, SYNC, "", 0, 2, CONFIG_PHAROS_SYNC_POLICY, 0,                                 \
+	  "When the input is silent: 0 off, 1 on, 2 internal strobe")                              \
+	X(SYNC_LOSS_MS, SYNC, "ms", 0, 3600000, CONFIG_PHAROS_SYNC_TIMEOUT_MS, 0,                  \
+	  "Silence of the input that counts as loss, 0 never")                                     \
+	X(SYNC_FILT_US, SYNC, "us", 0, 1000000, CONFIG_PHAROS_SYNC_FILTER_US, 0,                   \
+	  "Shorter changes of the input are glitches")                                             \
+	X(SYNC_PULSE_US, SYNC, "us", 1, 60000000, CONFIG_PHAROS_SYNC_PULSE_US, 0,                  \
+	  "Length of a pulse")
+
+/* MAVLink. */
+#define PARAMS_MAVLINK(X)                                                                          \
+	X(MAV_SYSID, MAVLINK, "", 0, 255, CONFIG_PHAROS_MAVLINK_SYSTEM_ID, PARAM_FLAG_REBOOT,      \
+	  "MAVLink system id, 0 adopts the vehicle's")                                             \
+	X(MAV_COMPID, MAVLINK, "", 1, 255, CONFIG_PHAROS_MAVLINK_COMPONENT_ID, PARAM_FLAG_REBOOT,  \
+	  "MAVLink component id")
+
+/* CAN and DroneCAN. */
+#define PARAMS_DRONECAN(X)                                                                         \
+	X(CAN_NODE_ID, DRONECAN, "", 0, 125, CONFIG_PHAROS_CAN_NODE_ID, PARAM_FLAG_REBOOT,         \
+	  "DroneCAN node id, 0 asks the allocator")                                                \
+	X(CAN_FD, DRONECAN, "", 0, 1, CONFIG_PHAROS_CAN_FD, PARAM_FLAG_REBOOT,                     \
+	  "CAN FD: 0 no, 1 yes")                                                                   \
+	X(CAN_BITRATE, DRONECAN, "bit/s", 10000, 1000000, CONFIG_PHAROS_CAN_BITRATE,               \
+	  PARAM_FLAG_REBOOT, "Bit rate of the CAN bus")                                            \
+	X(CAN_LIGHT_ID, DRONECAN, "", -1, 255, CONFIG_PHAROS_CAN_LIGHT_ID, 0,                      \
+	  "Light id in LightsCommand that is ours, -1 none")                                       \
+	X(CAN_HARDPT_ID, DRONECAN, "", -1, 255, CONFIG_PHAROS_CAN_HARDPOINT_ID, 0,                 \
+	  "Hardpoint id that switches the light, -1 none")                                         \
+	X(CAN_ACT_BRT, DRONECAN, "", 0, 255, CONFIG_PHAROS_CAN_ACTUATOR_BRIGHTNESS, 0,             \
+	  "Actuator id of the brightness, 0 none")                                                 \
+	X(CAN_ACT_PAN, DRONECAN, "", 0, 255, CONFIG_PHAROS_CAN_ACTUATOR_PAN, 0,                    \
+	  "Actuator id of pan, 0 none")                                                            \
+	X(CAN_ACT_TILT, DRONECAN, "", 0, 255, CONFIG_PHAROS_CAN_ACTUATOR_TILT, 0,                  \
+	  "Actuator id of tilt, 0 none")
+
+#define PARAMS_TABLE(X)                                                                            \
+	PARAMS_LIGHT(X)                                                                            \
+	PARAMS_ARBITER(X) PARAMS_THERMAL(X) PARAMS_SYNC(X) PARAMS_MAVLINK(X) PARAMS_DRONECAN(X)
+
+#endif

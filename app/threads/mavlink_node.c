@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "threads/mavlink_node.h"
+
+#include <zephyr/kernel.h>
+#include <zephyr/sys/printk.h>
+
+#include <pharos/drivers/probe.h>
+
+#include "proto/mavlink/illuminator_service.h"
+#include "threads/clock.h"
+#include "threads/devices.h"
+#include "threads/identity.h"
+#include "threads/link.h"
+#include "threads/reset_cause.h"
+#include "version.h"
+
+/* MAV_SYSID 0 leaves the choice to the vehicle; until one is heard, this. */
+#define SYSTEM_ID_FALLBACK 1
+
+static struct mavlink_endpoint endpoint;
+static struct mavlink_illuminator illuminator;
+static struct mavlink_outbox out;
+
+void mavlink_node_init(struct command *command)
+{
+	const int64_t now_us = clock_now_us();
+	const int32_t system_id = command->params.values[PARAM_MAV_SYSID];
+	const struct mavlink_endpoint_config config = {
+		.system_id = (uint8_t)(system_id != 0 ? system_id : SYSTEM_ID_FALLBACK),
+		.links = (uint8_t)link_mask(),
+	};
+	char text[sizeof("Pharos : " PHAROS_VERSION) + RESET_CAUSE_TEXT_MAX];
+	char cause[RESET_CAUSE_TEXT_MAX];
+
+	mavlink_illuminator_init(&illuminator, &command->illuminator, &command->arbiter,
+	                         identity_get());
+	mavlink_endpoint_init(&endpoint, &config);
+	mavlink_endpoint_add(&endpoint, now_us, (uint8_t)command->params.values[PARAM_MAV_COMPID],
+	                     &mavlink_illuminator_profile, &illuminator);
+	reset_cause_text(cause);
+	snprintk(text, sizeof(text), "Pharos %s: %s", PHAROS_VERSION, cause);
+	mavlink_endpoint_text(&endpoint, now_us, 6 /* MAV_SEVERITY_INFO */, text);
+}
+
+/* State first, then its acknowledgement. */
+static void perform(struct command *command)
+{
+	command_perform(&out.core);
+	command_params_changed(command, &out.params);
+	if (out.command != 0) {
+		probe_set(devices.probe, PROBE_COMMAND, out.command);
+	}
+	for (uint16_t i = 0; i < out.count; i++) {
+		const struct mavlink_outbox_frame *const frame = &out.frames[i];
+
+		link_send(frame->link, &out.bytes[frame->offset], frame->length);
+	}
+}
+
+void mavlink_node_take(struct command *command, uint8_t link, const uint8_t *bytes, size_t length)
+{
+	mavlink_endpoint_receive(&endpoint, clock_now_us(), link, bytes, length, &out);
+	perform(command);
+}
+
+void mavlink_node_observe(const struct illuminator_outbox *actions)
+{
+	mavlink_endpoint_observe(&endpoint, clock_now_us(), actions);
+}
+
+void mavlink_node_step(struct command *command)
+{
+	const int64_t now_us = clock_now_us();
+
+	while (mavlink_endpoint_deadline_us(&endpoint) <= now_us) {
+		mavlink_endpoint_step(&endpoint, now_us, &out);
+		perform(command);
+	}
+}
+
+int64_t mavlink_node_deadline_us(void)
+{
+	return mavlink_endpoint_deadline_us(&endpoint);
+}
+
+void mavlink_node_link_up(uint8_t link)
+{
+	mavlink_endpoint_link_up(&endpoint, clock_now_us(), link);
+}
+
+void mavlink_node_link_down(uint8_t link)
+{
+	mavlink_endpoint_link_down(&endpoint, link);
+}
+
+const struct mavlink_endpoint *mavlink_node_endpoint(void)
+{
+	return &endpoint;
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The light as a MAVLink node: the endpoint with its components, and what it wants done. Context:
+ * the command thread, unless said otherwise.
+ */
+#ifndef PHAROS_THREADS_MAVLINK_NODE_H
+#define PHAROS_THREADS_MAVLINK_NODE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "proto/mavlink/endpoint.h"
+#include "threads/command.h"
+
+/* Before the threads start. */
+void mavlink_node_init(struct command *command);
+
+/* A verified frame has come on a link. */
+void mavlink_node_take(struct command *command, uint8_t link, const uint8_t *bytes, size_t length);
+
+/* Someone else has stepped the core, which returned these. */
+void mavlink_node_observe(const struct illuminator_outbox *actions);
+
+/* Sends what is due. */
+void mavlink_node_step(struct command *command);
+int64_t mavlink_node_deadline_us(void);
+
+/* A link comes or goes, as in mavlink_endpoint_link_up and _down. */
+void mavlink_node_link_up(uint8_t link);
+void mavlink_node_link_down(uint8_t link);
+
+/* For the shell: from functions given to command_call(). */
+const struct mavlink_endpoint *mavlink_node_endpoint(void);
+
+#endif
