@@ -14,8 +14,10 @@
 #include "threads/can_link.h"
 #include "threads/clock.h"
 #include "threads/devices.h"
+#include "threads/identity.h"
 #include "threads/mavlink_node.h"
 #include "threads/storage.h"
+#include "threads/vcs_commit.h"
 #include "version.h"
 
 LOG_MODULE_REGISTER(can_node);
@@ -142,6 +144,16 @@ static uint32_t seed_of(const uint8_t id[DRONECAN_UNIQUE_ID_SIZE])
 	return high << 16 | low;
 }
 
+/* A node without an id may not speak: it says so once it has one. */
+static void announce(void)
+{
+	char text[IDENTITY_BOOT_TEXT_MAX];
+
+	identity_boot_text(text);
+	(void)dronecan_node_log(&endpoint.node, clock_now_us(), DRONECAN_DEBUG_LOG_LEVEL_INFO,
+	                        "light", text);
+}
+
 void can_node_init(struct command *command)
 {
 	const int32_t *const values = command->params.values;
@@ -159,6 +171,7 @@ void can_node_init(struct command *command)
 				.software_minor = PHAROS_VERSION_MINOR,
 				.hardware_major = CONFIG_PHAROS_HARDWARE_MAJOR,
 				.hardware_minor = CONFIG_PHAROS_HARDWARE_MINOR,
+				.vcs_commit = PHAROS_VCS_COMMIT,
 			},
 		.lights = lights_config(&command->params),
 		.node_id = (uint8_t)values[PARAM_CAN_NODE_ID],
@@ -172,6 +185,7 @@ void can_node_init(struct command *command)
 	}
 	active = true;
 	listen();
+	announce();
 }
 
 /* --- commands for the lamp -------------------------------------------------------------------- */
@@ -268,6 +282,7 @@ static void perform_node(struct command *command)
 		case DRONECAN_NODE_ID_ALLOCATED:
 			LOG_INF("node id %u allocated", action->node_id);
 			listen();
+			announce();
 			break;
 		}
 	}

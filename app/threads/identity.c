@@ -4,8 +4,6 @@
 #include <zephyr/drivers/hwinfo.h>
 #include <zephyr/sys/printk.h>
 
-#include "version.h"
-
 #define DEVICE_ID_BYTES 12
 
 static char serial_number[2 * DEVICE_ID_BYTES + 1];
@@ -29,4 +27,12 @@ const struct mavlink_identity *identity_get(void)
 		snprintk(&serial_number[2 * i], 3, "%02x", id[i]);
 	}
 	return &identity;
+}
+
+void identity_boot_text(char text[IDENTITY_BOOT_TEXT_MAX])
+{
+	char cause[RESET_CAUSE_TEXT_MAX];
+
+	reset_cause_text(cause);
+	snprintk(text, IDENTITY_BOOT_TEXT_MAX, "Pharos %s: %s", PHAROS_VERSION, cause);
 }

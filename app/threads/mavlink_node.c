@@ -2,7 +2,6 @@
 #include "threads/mavlink_node.h"
 
 #include <zephyr/kernel.h>
-#include <zephyr/sys/printk.h>
 
 #include <pharos/drivers/probe.h>
 
@@ -11,8 +10,6 @@
 #include "threads/devices.h"
 #include "threads/identity.h"
 #include "threads/link.h"
-#include "threads/reset_cause.h"
-#include "version.h"
 
 /* MAV_SYSID 0 leaves the choice to the vehicle; until one is heard, this. */
 #define SYSTEM_ID_FALLBACK 1
@@ -29,16 +26,14 @@ void mavlink_node_init(struct command *command)
 		.system_id = (uint8_t)(system_id != 0 ? system_id : SYSTEM_ID_FALLBACK),
 		.links = (uint8_t)link_mask(),
 	};
-	char text[sizeof("Pharos : " PHAROS_VERSION) + RESET_CAUSE_TEXT_MAX];
-	char cause[RESET_CAUSE_TEXT_MAX];
+	char text[IDENTITY_BOOT_TEXT_MAX];
 
 	mavlink_illuminator_init(&illuminator, &command->illuminator, &command->arbiter,
 	                         identity_get());
 	mavlink_endpoint_init(&endpoint, &config);
 	mavlink_endpoint_add(&endpoint, now_us, (uint8_t)command->params.values[PARAM_MAV_COMPID],
 	                     &mavlink_illuminator_profile, &illuminator);
-	reset_cause_text(cause);
-	snprintk(text, sizeof(text), "Pharos %s: %s", PHAROS_VERSION, cause);
+	identity_boot_text(text);
 	mavlink_endpoint_text(&endpoint, now_us, 6 /* MAV_SEVERITY_INFO */, text);
 }
 

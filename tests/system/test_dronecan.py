@@ -14,12 +14,13 @@ from dronecan import uavcan
 from dronecan.app.dynamic_node_id import CentralizedServer
 from dronecan.app.node_monitor import NodeMonitor
 
-from harness import ACCEPTED, BUS, CONSOLE, NODE, ON_OFF, Shell, of, set_over_can
+from harness import ACCEPTED, BUILD, BUS, CONSOLE, NODE, ON_OFF, Shell, of, set_over_can
 from pharos import Simulator, Source, Tunnel
 from pharos.can_node import BusDriver
 
 PEER = 10
 STEP_US = 10_000
+log_level = uavcan.protocol.debug.LogLevel()
 GOLDEN_STATUS = 0x18015544  # NodeStatus of node 68
 Starts = Callable[..., Simulator]
 
@@ -118,6 +119,11 @@ def test_get_node_info(peer: Peer) -> None:
     info = peer.ask(uavcan.protocol.GetNodeInfo.Request())
     assert str(info.name) == "org.pharos.light"
     assert any(bytes(info.hardware_version.unique_id))
+    # Bit 0 of the flags: there is a commit. What the build was told, 0 outside of a git tree.
+    header = (BUILD / "app/generated/threads/vcs_commit.h").read_text()
+    commit = int(header.split("PHAROS_VCS_COMMIT")[1].strip().removesuffix("u"), 16)
+    software = info.software_version
+    assert (software.vcs_commit, software.optional_field_flags) == (commit, int(commit != 0))
     assert info.status.health == info.status.HEALTH_OK
     assert info.status.mode == info.status.MODE_OPERATIONAL
 
@@ -164,6 +170,14 @@ def test_restart_answers_then_resets_with_the_lamp_off(peer: Peer) -> None:
     assert outputs["level_ppm"] == 0
 
 
+def test_each_boot_is_told_with_its_reason(peer: Peer) -> None:
+    heard = peer.heard(uavcan.protocol.debug.LogMessage)
+    peer.sim.reset()
+    peer.run(2_000_000)
+    told = [(log.level.value, str(log.source), str(log.text)) for log in heard]
+    assert told == [(log_level.INFO, "light", "Pharos 0.1.0: reset pin")]
+
+
 def test_transport_stats_count_without_errors(peer: Peer) -> None:
     peer.run(3_000_000)
     stats = peer.ask(uavcan.protocol.GetTransportStats.Request())
@@ -179,6 +193,7 @@ def test_allocator_gives_an_id_that_is_used_at_once(start: Starts) -> None:
     sim.reset()
     peer = Peer(sim, node_id=127)
     server = CentralizedServer(peer.node, NodeMonitor(peer.node))
+    told = peer.heard(uavcan.protocol.debug.LogMessage)
     sources = []
     peer.node.add_handler(
         uavcan.protocol.NodeStatus, lambda event: sources.append(event.transfer.source_node_id)
@@ -186,6 +201,7 @@ def test_allocator_gives_an_id_that_is_used_at_once(start: Starts) -> None:
     peer.run(6_000_000)
     assert 125 in [node_id for _, node_id in server.get_allocation_table()]
     assert sources.count(125) >= 2
+    assert [str(log.text) for log in told] == ["Pharos 0.1.0: reset pin"], "told once it may speak"
     info = peer.ask(uavcan.protocol.GetNodeInfo.Request(), node_id=125)
     assert str(info.name) == "org.pharos.light"
     client = sim.connect("can0", tunnel=Tunnel(node=125))
