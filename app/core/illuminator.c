@@ -100,7 +100,7 @@ static enum illuminator_result decide_values(const struct illuminator *self,
 static enum illuminator_result decide_enable(const struct illuminator *self, bool enable,
                                              struct illuminator_settings *next)
 {
-	if (enable && self->thermal.state == THERMAL_STATE_SHUTDOWN) {
+	if (enable && (self->unpowered || self->thermal.state == THERMAL_STATE_SHUTDOWN)) {
 		return ILLUMINATOR_FAILED;
 	}
 	next->enable = enable;
@@ -143,7 +143,7 @@ static struct illuminator_settings after_fallback(const struct illuminator *self
 		break;
 	case ILLUMINATOR_FALLBACK_BEACON:
 		next = (struct illuminator_settings){
-			.enable = true,
+			.enable = !self->unpowered,
 			.mode = ILLUMINATOR_MODE_INTERNAL,
 			.brightness_ppm = PPM_ONE,
 			.strobe_period_us = clamp_period(&self->config, BEACON_PERIOD_US),
@@ -173,6 +173,9 @@ static enum illuminator_result decide(const struct illuminator *self,
 		return decide_restore(self, &event->restore, next);
 	case ILLUMINATOR_EVENT_FALLBACK:
 		*next = after_fallback(self, event->fallback);
+		return ILLUMINATOR_ACCEPTED;
+	case ILLUMINATOR_EVENT_POWER:
+		next->enable = next->enable && event->powered;
 		return ILLUMINATOR_ACCEPTED;
 	case ILLUMINATOR_EVENT_THERMAL:
 	case ILLUMINATOR_EVENT_CONFIG:
@@ -294,6 +297,8 @@ static void apply(struct illuminator *self, int64_t now_us, const struct illumin
 		self->config = event->config;
 	} else if (event->kind == ILLUMINATOR_EVENT_THERMAL) {
 		self->thermal = event->thermal;
+	} else if (event->kind == ILLUMINATOR_EVENT_POWER) {
+		self->unpowered = !event->powered;
 	}
 	self->plan = plan_of(&self->settings, self->config.curve);
 

@@ -66,6 +66,7 @@ enum illuminator_event_kind {
 	ILLUMINATOR_EVENT_CONFIG,     /* config: new parameters; settings in force stay */
 	ILLUMINATOR_EVENT_RESTORE,    /* restore: settings saved before, enable too */
 	ILLUMINATOR_EVENT_FALLBACK,   /* fallback: every commander is silent */
+	ILLUMINATOR_EVENT_POWER,      /* powered: the lamp's driver has power, or none */
 };
 
 /* As in the settings, but any value may be given: what is out of range is DENIED. */
@@ -86,12 +87,13 @@ struct illuminator_event {
 		struct illuminator_config config;
 		struct illuminator_settings restore;
 		enum illuminator_fallback fallback;
+		bool powered;
 	};
 };
 
 /*
- * DENIED: a value out of range. FAILED: valid, but not now (on during thermal shutdown, repeated or
- * not). Neither changed anything.
+ * DENIED: a value out of range. FAILED: valid, but not now (on during thermal shutdown or without
+ * power, repeated or not). Neither changed anything.
  */
 enum illuminator_result {
 	ILLUMINATOR_ACCEPTED,
@@ -149,6 +151,7 @@ struct illuminator {
 	struct illuminator_config config;
 	struct thermal_report thermal;
 	struct light_plan plan;
+	bool unpowered; /* the lamp is off, and stays so when power comes back */
 	struct illuminator_stats stats;
 	uint32_t revision;  /* advances with each change of settings, and with nothing else */
 	int64_t changed_us; /* when it last advanced; 0: never */
@@ -162,8 +165,8 @@ void illuminator_init(struct illuminator *self, const struct illuminator_config 
 
 /*
  * The one transition function. now_us 0…TIME_MAX_US. *out is overwritten, also when it stays empty.
- * CONFIG, THERMAL and FALLBACK are always ACCEPTED. RESTORE is checked as a command would be (with
- * enable during thermal shutdown FAILED).
+ * CONFIG, THERMAL, FALLBACK and POWER are always ACCEPTED. RESTORE is checked as a command would be
+ * (with enable during thermal shutdown FAILED).
  */
 enum illuminator_result illuminator_step(struct illuminator *self, int64_t now_us,
                                          const struct illuminator_event *event,

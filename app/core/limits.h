@@ -37,6 +37,32 @@
 /* MAVLink PARAM_VALUE.param_id is 16 bytes and DroneCAN allows more: 16 without the terminator. */
 #define PARAMS_NAME_MAX 16
 
+/* Power channels; a mask of them is stored as one byte. */
+#define POWER_CHANNELS_MAX    8u
+/* A year of 365 days, from which on a relative time is taken for an absolute one and refused. */
+#define POWER_SCHEDULE_MAX_US (INT64_C(31536000) * US_PER_S)
+#define POWER_RESTART_US      (2 * (int64_t)US_PER_S)
+#define SHUTDOWN_GRACE_MAX_US (INT64_C(3600) * US_PER_S)
+
+/* Pulses that servos and speed controllers take. */
+#define SERVO_PULSE_MIN_US  500u
+#define SERVO_PULSE_MAX_US  2500u
+#define FOCUS_TRAVEL_MAX_US (INT64_C(600) * US_PER_S)
+/* Updates of a remote hold so long. */
+#define REMOTE_HOLD_US      ((int64_t)US_PER_S)
+
+/* Of each kind, on any board. */
+#define ACTUATORS_PWMS_MAX         4u
+#define ACTUATORS_LEDS_MAX         4u
+#define ACTUATORS_GPIOS_MAX        4u
+/* Zephyr's PWM drivers count nanoseconds in 32 bits. */
+#define ACTUATORS_PERIOD_MAX_US    2000000u
+#define ACTUATORS_SERVO_RANGE_MDEG 90000
+
+#define DISPLAY_LINES   2u
+#define DISPLAY_COLUMNS 16u
+
+_Static_assert(POWER_SCHEDULE_MAX_US < TIME_MAX_US, "a scheduled time fits");
 _Static_assert(ILLUMINATOR_OUTBOX_MAX >= ILLUMINATOR_STEP_ACTIONS_MAX, "a step fits the outbox");
 _Static_assert((uint64_t)STROBE_PERIOD_CEILING_US *PPM_ONE < (uint64_t)INT64_MAX,
                "period times ratio fits 64 bits");

@@ -69,7 +69,7 @@ static int light_command(const struct shell *sh, const struct illuminator_event 
 		shell_error(sh, "out of range; nothing changed (see: light status)");
 		return -EINVAL;
 	case ILLUMINATOR_FAILED:
-		shell_error(sh, "not now: over temperature (see: thermal)");
+		shell_error(sh, "not now: over temperature (see: thermal), or without power");
 		return -EAGAIN;
 	}
 	return -EINVAL;

@@ -30,7 +30,7 @@ static struct illuminator_event any_event(struct dice *dice)
 {
 	struct illuminator_event event = {
 		.kind = (enum illuminator_event_kind)(dice_next(dice) %
-	                                              (ILLUMINATOR_EVENT_FALLBACK + 1))};
+	                                              (ILLUMINATOR_EVENT_POWER + 1))};
 
 	switch (event.kind) {
 	case ILLUMINATOR_EVENT_ON_OFF:
@@ -72,6 +72,9 @@ static struct illuminator_event any_event(struct dice *dice)
 		break;
 	case ILLUMINATOR_EVENT_FALLBACK:
 		event.fallback = dice_next(dice) % (ILLUMINATOR_FALLBACK_BEACON + 1);
+		break;
+	case ILLUMINATOR_EVENT_POWER:
+		event.powered = dice_once_in(dice, 2);
 		break;
 	}
 	return event;
@@ -126,6 +129,7 @@ static void assert_step(const struct illuminator *before, const struct illuminat
 		                     kind == ILLUMINATOR_EVENT_FALLBACK,
 		             "seed %u: only the beacon may be armed in shutdown", replay_seed());
 	}
+	zassert_false(after->unpowered && after->plan.on, "seed %u", replay_seed());
 }
 
 static void any_events(struct dice *dice)

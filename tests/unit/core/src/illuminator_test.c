@@ -330,6 +330,27 @@ ZTEST(core_illuminator, test_fallbacks)
 	zassert_equal(light.plan.on_us, 100000);
 }
 
+ZTEST(core_illuminator, test_lamp_without_power_is_off_and_stays_so)
+{
+	struct illuminator_event event = {.kind = ILLUMINATOR_EVENT_POWER, .powered = false};
+
+	on_off(true);
+	zassert_equal(step(&event), ILLUMINATOR_ACCEPTED);
+	zassert_false(light.settings.enable);
+	zassert_false(light.plan.on);
+	zassert_equal(on_off(true), ILLUMINATOR_FAILED);
+	event.kind = ILLUMINATOR_EVENT_FALLBACK;
+	event.fallback = ILLUMINATOR_FALLBACK_BEACON;
+	step(&event);
+	zassert_false(light.plan.on);
+	event.kind = ILLUMINATOR_EVENT_POWER;
+	event.powered = true;
+	zassert_equal(step(&event), ILLUMINATOR_ACCEPTED);
+	zassert_false(light.plan.on, "nobody has commanded it since");
+	zassert_equal(on_off(true), ILLUMINATOR_ACCEPTED);
+	zassert_true(light.plan.on);
+}
+
 /* CIE 15:2004, by hand, in ppm: Y is L / 903.3 below L = 8, ((L + 16)/116) cubed above. */
 ZTEST(core_illuminator, test_perceptual_curve_has_cie_values)
 {
