@@ -43,26 +43,25 @@ struct thread_row {
 		.thread = &name_##_thread,                                                         \
 	}
 
+#define UART_LINK_THREAD(i_, _) THREAD(uart_link##i_, CONFIG_PHAROS_LINK_STACK_SIZE)
+#define UART_LINK_ROW(i_, _)    ROW(uart_link##i_, 4, uart_link_run, (void *)i_)
+
 THREAD(supervisor, CONFIG_PHAROS_SUPERVISOR_STACK_SIZE);
 THREAD(thermal, CONFIG_PHAROS_THERMAL_STACK_SIZE);
 THREAD(command, CONFIG_PHAROS_COMMAND_STACK_SIZE);
-THREAD(uart_link0, CONFIG_PHAROS_LINK_STACK_SIZE);
-THREAD(uart_link1, CONFIG_PHAROS_LINK_STACK_SIZE);
-THREAD(uart_link2, CONFIG_PHAROS_LINK_STACK_SIZE);
-THREAD(uart_link3, CONFIG_PHAROS_LINK_STACK_SIZE);
+LISTIFY(UART_LINKS_MAX, UART_LINK_THREAD, (;));
 #ifdef CONFIG_CAN
 THREAD(can_link, CONFIG_PHAROS_LINK_STACK_SIZE);
 #endif
 THREAD(storage, CONFIG_PHAROS_STORAGE_STACK_SIZE);
 
 static const struct thread_row threads[] = {
-	ROW(supervisor, 0, supervisor_run, NULL),     ROW(thermal, 1, thermal_thread_run, NULL),
-	ROW(command, 3, command_run, NULL),           ROW(uart_link0, 4, uart_link_run, (void *)0),
-	ROW(uart_link1, 4, uart_link_run, (void *)1), ROW(uart_link2, 4, uart_link_run, (void *)2),
-	ROW(uart_link3, 4, uart_link_run, (void *)3), ROW(storage, 10, storage_run, NULL),
+	ROW(supervisor, 0, supervisor_run, NULL), ROW(thermal, 1, thermal_thread_run, NULL),
+	ROW(command, 3, command_run, NULL),       LISTIFY(UART_LINKS_MAX, UART_LINK_ROW, (, )),
 #ifdef CONFIG_CAN
 	ROW(can_link, 4, can_link_run, NULL),
 #endif
+	ROW(storage, 10, storage_run, NULL),
 };
 
 static void start(const struct thread_row *row)

@@ -15,6 +15,12 @@ LOG_MODULE_REGISTER(devices);
 #define CAN_LINK NULL
 #endif
 
+#define UART_LINK(i_, _) DEVICE_DT_GET_OR_NULL(DT_ALIAS(uart_link##i_))
+
+_Static_assert(UART_LINKS_MAX > 3 || !DT_NODE_EXISTS(DT_ALIAS(uart_link3)), "every UART is used");
+_Static_assert(UART_LINKS_MAX > 2 || !DT_NODE_EXISTS(DT_ALIAS(uart_link2)), "every UART is used");
+_Static_assert(UART_LINKS_MAX > 1 || !DT_NODE_EXISTS(DT_ALIAS(uart_link1)), "every UART is used");
+
 const struct devices devices = {
 	.light = DEVICE_DT_GET(DT_ALIAS(light0)),
 	.thermistor = DEVICE_DT_GET(DT_ALIAS(thermistor0)),
@@ -22,13 +28,7 @@ const struct devices devices = {
 	.probe = DEVICE_DT_GET_OR_NULL(DT_ALIAS(probe0)),
 	.can_link = CAN_LINK,
 	.edge_time = DEVICE_DT_GET_OR_NULL(DT_ALIAS(edge_time0)),
-	.uart_links =
-		{
-			DEVICE_DT_GET_OR_NULL(DT_ALIAS(uart_link0)),
-			DEVICE_DT_GET_OR_NULL(DT_ALIAS(uart_link1)),
-			DEVICE_DT_GET_OR_NULL(DT_ALIAS(uart_link2)),
-			DEVICE_DT_GET_OR_NULL(DT_ALIAS(uart_link3)),
-		},
+	.uart_links = {LISTIFY(UART_LINKS_MAX, UART_LINK, (, ))},
 	.sync_input = GPIO_DT_SPEC_GET_OR(DT_ALIAS(sync_input), gpios, {0}),
 	.button = GPIO_DT_SPEC_GET_OR(DT_ALIAS(button0), gpios, {0}),
 	.driver_fault = GPIO_DT_SPEC_GET_OR(DT_ALIAS(driver_fault), gpios, {0}),
@@ -46,15 +46,18 @@ static int device_check(const struct device *device)
 int devices_check(void)
 {
 	const struct device *const all[] = {
-		devices.light,         devices.thermistor,    devices.watchdog,
-		devices.probe,         devices.uart_links[0], devices.uart_links[1],
-		devices.uart_links[2], devices.uart_links[3], devices.sync_input.port,
-		devices.can_link,
+		devices.light, devices.thermistor,      devices.watchdog,
+		devices.probe, devices.sync_input.port, devices.can_link,
 	};
 	int error = 0;
 
 	for (size_t i = 0; i < ARRAY_SIZE(all); i++) {
 		const int result = device_check(all[i]);
+
+		error = result != 0 ? result : error;
+	}
+	for (size_t i = 0; i < ARRAY_SIZE(devices.uart_links); i++) {
+		const int result = device_check(devices.uart_links[i]);
 
 		error = result != 0 ? result : error;
 	}

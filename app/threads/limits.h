@@ -9,7 +9,7 @@
 #include "proto/mavlink/framer.h"
 
 /* MAVLink's links: the UARTs, then the tunnels over CAN. */
-#define UART_LINKS_MAX 4
+#define UART_LINKS_MAX CONFIG_PHAROS_UART_LINKS
 #define TUNNEL_LINK0   UART_LINKS_MAX
 #ifdef CONFIG_CAN
 #define TUNNEL_LINKS_MAX CONFIG_PHAROS_CAN_TUNNELS
@@ -36,7 +36,7 @@
 /* What the light listens to on CAN: DroneCAN's messages and services. */
 #define CAN_LINK_FILTERS_MAX 8
 
-_Static_assert(LINKS_MAX <= MAVLINK_LINKS_MAX, "the endpoint knows every link");
+_Static_assert(LINKS_MAX == MAVLINK_LINKS_MAX, "the endpoint knows every link");
 _Static_assert(COMMAND_QUEUE_MAX > LINK_FRAMES_MAX + CAN_FRAMES_MAX,
                "frames leave room for reports and calls");
 _Static_assert(UART_TX_RING_SIZE >= 4 * (MAVLINK_FRAME_MAX + 2), "an answer and its streams fit");

@@ -22,8 +22,12 @@
 /* A framer keeps an unfinished frame and has room for as much again. */
 #define MAVLINK_FRAMER_WINDOW (2 * MAVLINK_FRAME_MAX)
 
-/* Links, components of this device, and rows of a component's message table. */
-#define MAVLINK_LINKS_MAX      8
+/* Links: UARTs and tunnels over CAN. Components of this device, rows of one's message table. */
+#ifdef CONFIG_CAN
+#define MAVLINK_LINKS_MAX (CONFIG_PHAROS_UART_LINKS + CONFIG_PHAROS_CAN_TUNNELS)
+#else
+#define MAVLINK_LINKS_MAX CONFIG_PHAROS_UART_LINKS
+#endif
 #define MAVLINK_COMPONENTS_MAX 2
 #define MAVLINK_MESSAGES_MAX   12
 
@@ -32,8 +36,8 @@
 #define MAVLINK_STEP_FRAMES   (MAVLINK_COMPONENTS_MAX * (1 + MAVLINK_LINKS_MAX))
 #define MAVLINK_STEP_BYTES                                                                         \
 	(MAVLINK_COMPONENTS_MAX * (MAVLINK_ACK_FRAME_MAX + MAVLINK_LINKS_MAX * MAVLINK_FRAME_MAX))
-#define MAVLINK_OUTBOX_FRAMES 18
-#define MAVLINK_OUTBOX_BYTES  4608
+#define MAVLINK_OUTBOX_FRAMES MAVLINK_STEP_FRAMES
+#define MAVLINK_OUTBOX_BYTES  MAVLINK_STEP_BYTES
 
 /* Streams: the fastest that may be asked for, and the least time between two reports of a change.
  */
