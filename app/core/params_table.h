@@ -108,8 +108,27 @@
 	X(CAN_ACT_TILT, DRONECAN, "", 0, 255, CONFIG_PHAROS_CAN_ACTUATOR_TILT, 0,                  \
 	  "Actuator id of tilt, 0 none")
 
+/* IMC, and what the UARTs speak. */
+#ifdef CONFIG_PHAROS_IMC
+#define PARAMS_IMC(X)                                                                              \
+	X(IMC_ID, IMC, "", 0x8000, 0x8FFF, CONFIG_PHAROS_IMC_ID, PARAM_FLAG_REBOOT,                \
+	  "IMC id: one of those of sensors")                                                       \
+	X(IMC_ANNOUNCE, IMC, "", 0, 2, CONFIG_PHAROS_IMC_ANNOUNCE, 0,                              \
+	  "Announce over UDP: 0 on this host, 1 broadcast, 2 multicast 224.0.75.69")               \
+	X(UART0_PROTO, IMC, "", 0, 1, CONFIG_PHAROS_UART0_PROTOCOL, PARAM_FLAG_REBOOT,             \
+	  "What the first UART speaks: 0 MAVLink, 1 IMC")                                          \
+	X(UART1_PROTO, IMC, "", 0, 1, CONFIG_PHAROS_UART1_PROTOCOL, PARAM_FLAG_REBOOT,             \
+	  "The second")                                                                            \
+	X(UART2_PROTO, IMC, "", 0, 1, CONFIG_PHAROS_UART2_PROTOCOL, PARAM_FLAG_REBOOT,             \
+	  "The third")                                                                             \
+	X(UART3_PROTO, IMC, "", 0, 1, CONFIG_PHAROS_UART3_PROTOCOL, PARAM_FLAG_REBOOT, "The fourth")
+#else
+#define PARAMS_IMC(X)
+#endif
+
 #define PARAMS_TABLE(X)                                                                            \
 	PARAMS_LIGHT(X)                                                                            \
-	PARAMS_ARBITER(X) PARAMS_THERMAL(X) PARAMS_SYNC(X) PARAMS_MAVLINK(X) PARAMS_DRONECAN(X)
+	PARAMS_ARBITER(X)                                                                          \
+	PARAMS_THERMAL(X) PARAMS_SYNC(X) PARAMS_MAVLINK(X) PARAMS_DRONECAN(X) PARAMS_IMC(X)
 
 #endif

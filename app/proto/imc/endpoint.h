@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * All of IMC for one device: node and services put together; sans-IO.
+ *
+ * A thread does this: each packet that imc_verify() found good into _receive(), _step() at the
+ * deadline and after whatever was reported. The outbox of each call is to be performed before the
+ * next call: its actions, then its packets.
+ *
+ * The device has no calendar: its packets are stamped with the time of whoever announced itself or
+ * sent a Heartbeat last, and with the time since boot before that.
+ *
+ * Context: the thread that owns it, no locks inside.
+ */
+#ifndef PHAROS_PROTO_IMC_ENDPOINT_H
+#define PHAROS_PROTO_IMC_ENDPOINT_H
+
+#include "core/illuminator.h"
+#include "proto/imc/node.h"
+#include "proto/imc/outbox.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* id: this device's; sensors have 0x8000…0x8FFF. */
+struct imc_endpoint_config {
+	struct imc_node_config node;
+	uint16_t id;
+};
+
+struct imc_endpoint_stats {
+	uint32_t packets; /* good ones, whoever they are for */
+	uint32_t unknown_ids;
+	uint32_t malformed;  /* payloads that are not of their message */
+	uint32_t not_for_us; /* another dst, or an entity that we don't have */
+	uint32_t own;        /* that came back, or another device has our id */
+	uint32_t sent;
+	uint32_t unsent; /* found no room in the outbox */
+};
+
+struct imc_endpoint {
+	uint16_t id;
+	int64_t unix_offset_us; /* Unix time less time since boot; 0: not known */
+	struct imc_node node;
+	struct imc_endpoint_stats stats;
+	struct imc_packet packet; /* the one that is being received */
+};
+
+/* params: kept by reference. */
+void imc_endpoint_init(struct imc_endpoint *self, int64_t now_us,
+                       const struct imc_endpoint_config *config, struct params *params);
+
+/* bytes: a whole packet, verified. route: where it came from. *out is overwritten. */
+void imc_endpoint_receive(struct imc_endpoint *self, int64_t now_us, const struct imc_route *route,
+                          const uint8_t *bytes, struct imc_outbox *out);
+
+/* At its deadline or before. *out is overwritten. */
+void imc_endpoint_step(struct imc_endpoint *self, int64_t now_us, struct imc_outbox *out);
+int64_t imc_endpoint_deadline_us(const struct imc_endpoint *self);
+
+/* What the lamp is like now: becomes the states of its entities. */
+void imc_endpoint_report(struct imc_endpoint *self, const struct illuminator *illuminator);
+
+#endif

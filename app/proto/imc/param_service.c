@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "proto/imc/node.h"
+
+#include <string.h>
+
+/* "-2147483648" */
+#define NUMBER_MAX 11
+
+/* --- numbers as text ----------------------------------------------------------------------------
+ */
+
+/* The text of a number, at the end of the buffer; its length. */
+static struct imc_text print(char buffer[NUMBER_MAX], int32_t value)
+{
+	uint32_t rest = value < 0 ? 0u - (uint32_t)value : (uint32_t)value;
+	uint16_t at = NUMBER_MAX;
+
+	do {
+		buffer[--at] = (char)('0' + rest % 10u);
+		rest /= 10u;
+	} while (rest > 0);
+	if (value < 0) {
+		buffer[--at] = '-';
+	}
+	return (struct imc_text){.bytes = &buffer[at], .length = (uint16_t)(NUMBER_MAX - at)};
+}
+
+/* After a decimal point only zeros may follow: parameters are whole numbers. */
+static bool is_zeros(const struct imc_text *text, uint16_t from)
+{
+	for (uint16_t i = from; i < text->length; i++) {
+		if (text->bytes[i] != '0') {
+			return false;
+		}
+	}
+	return true;
+}
+
+/* "-40", "40.000", "true", "false". */
+static bool parse(const struct imc_text *text, int32_t *value)
+{
+	const bool negative = text->length > 0 && text->bytes[0] == '-';
+	const uint16_t first = negative ? 1 : 0;
+	int64_t magnitude = 0;
+	uint16_t at = first;
+
+	if (imc_text_is(text, "true") || imc_text_is(text, "false")) {
+		*value = imc_text_is(text, "true") ? 1 : 0;
+		return true;
+	}
+	while (at < text->length && text->bytes[at] >= '0' && text->bytes[at] <= '9' &&
+	       magnitude <= INT32_MAX) {
+		magnitude = 10 * magnitude + (text->bytes[at] - '0');
+		at++;
+	}
+	if (at == first || magnitude > (int64_t)INT32_MAX + (negative ? 1 : 0) ||
+	    (at < text->length && (text->bytes[at] != '.' || !is_zeros(text, at + 1)))) {
+		return false;
+	}
+	*value = (int32_t)(negative ? -magnitude : magnitude);
+	return true;
+}
+
+/* --- messages -----------------------------------------------------------------------------------
+ */
+
+/* By name, or without one the entity that the header means. IMC_ENTITY_COUNT: none. */
+static enum imc_entity find_entity(const struct imc_packet *packet, const struct imc_text *name)
+{
+	if (name->length == 0 && packet->header.dst_ent < IMC_ENTITY_COUNT) {
+		return (enum imc_entity)packet->header.dst_ent;
+	}
+	return imc_entity_find(name);
+}
+
+/* What is in force now, of the parameters with one of these indices. */
+static void add(struct imc_node *self, struct imc_message *message, enum imc_entity entity,
+                uint32_t index, const struct imc_packet *request, struct imc_outbox *out)
+{
+	struct imc_parameter_list *const list = &message->entity_parameters.params;
+	const struct param_info *const info = params_info(index);
+	char number[NUMBER_MAX];
+	const struct imc_entity_parameter parameter = {
+		.name = imc_text_of(info->name),
+		.value = print(number, self->params->values[index]),
+	};
+
+	if (!imc_parameters_add(list, self->list, IMC_LIST_MAX, &parameter)) {
+		imc_outbox_reply(out, request, (uint8_t)entity, message); /* and a further one */
+		*list = (struct imc_parameter_list){0};
+		(void)imc_parameters_add(list, self->list, IMC_LIST_MAX, &parameter);
+	}
+}
+
+static struct imc_message empty_answer(enum imc_entity entity)
+{
+	return (struct imc_message){
+		.id = IMC_ENTITY_PARAMETERS,
+		.entity_parameters = {.name = imc_text_of(imc_entity_name(entity))},
+	};
+}
+
+void imc_node_query_parameters(struct imc_node *self, const struct imc_packet *packet,
+                               struct imc_outbox *out)
+{
+	const enum imc_entity entity =
+		find_entity(packet, &packet->message.query_entity_parameters.name);
+
+	if (entity == IMC_ENTITY_COUNT) {
+		self->stats.unknown_names++;
+		return;
+	}
+	struct imc_message answer = empty_answer(entity);
+
+	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+		if (imc_entity_of_group(params_info(i)->group) == entity) {
+			add(self, &answer, entity, i, packet, out);
+		}
+	}
+	self->stats.requests++;
+	imc_outbox_reply(out, packet, (uint8_t)entity, &answer);
+}
+
+/* PARAM_COUNT: there is none, or not in this entity. */
+static uint32_t find_parameter(enum imc_entity entity, const struct imc_text *name)
+{
+	const uint32_t index = params_find(name->bytes, name->length);
+
+	return index < PARAM_COUNT && imc_entity_of_group(params_info(index)->group) == entity
+	               ? index
+	               : (uint32_t)PARAM_COUNT;
+}
+
+static bool set(struct imc_node *self, uint32_t index, const struct imc_text *text,
+                struct param_set *all)
+{
+	struct param_set changed;
+	int32_t value;
+
+	if (index == PARAM_COUNT || !parse(text, &value) ||
+	    params_set(self->params, index, value, &changed) != PARAMS_OK) {
+		self->stats.params_refused++;
+		return false;
+	}
+	param_set_merge(all, &changed);
+	return true;
+}
+
+/* The answer lists what was accepted, and nothing else. */
+void imc_node_set_parameters(struct imc_node *self, const struct imc_packet *packet,
+                             struct imc_outbox *out)
+{
+	struct imc_parameter_list asked = packet->message.entity_parameters.params;
+	const enum imc_entity entity = find_entity(packet, &packet->message.entity_parameters.name);
+	struct imc_entity_parameter parameter;
+	struct param_set changed = {0};
+
+	if (entity == IMC_ENTITY_COUNT) {
+		self->stats.unknown_names++;
+		return;
+	}
+	struct imc_message answer = empty_answer(entity);
+
+	while (imc_parameters_next(&asked, &parameter)) {
+		const uint32_t index = find_parameter(entity, &parameter.name);
+
+		if (set(self, index, &parameter.value, &changed)) {
+			add(self, &answer, entity, index, packet, out);
+		}
+	}
+	self->stats.requests++;
+	imc_outbox_reply(out, packet, (uint8_t)entity, &answer);
+	if (!param_set_is_empty(&changed)) {
+		imc_outbox_act(out, IMC_ACTION_PARAMS_CHANGED)->changed = changed;
+	}
+}
