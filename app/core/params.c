@@ -218,6 +218,12 @@ void param_set_add(struct param_set *self, uint32_t index)
 	self->words[index / PARAMS_SET_BITS] |= 1u << index % PARAMS_SET_BITS;
 }
 
+void param_set_remove(struct param_set *self, uint32_t index)
+{
+	PHAROS_ASSERT(index < PARAM_COUNT);
+	self->words[index / PARAMS_SET_BITS] &= ~(1u << index % PARAMS_SET_BITS);
+}
+
 bool param_set_has(const struct param_set *self, uint32_t index)
 {
 	PHAROS_ASSERT(index < PARAM_COUNT);
@@ -245,7 +251,7 @@ uint32_t param_set_take(struct param_set *self)
 {
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
 		if (param_set_has(self, i)) {
-			self->words[i / PARAMS_SET_BITS] &= ~(1u << i % PARAMS_SET_BITS);
+			param_set_remove(self, i);
 			return i;
 		}
 	}

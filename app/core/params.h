@@ -81,6 +81,7 @@ struct param_set {
 };
 
 void param_set_add(struct param_set *self, uint32_t index);
+void param_set_remove(struct param_set *self, uint32_t index);
 bool param_set_has(const struct param_set *self, uint32_t index);
 bool param_set_is_empty(const struct param_set *self);
 

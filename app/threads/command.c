@@ -167,7 +167,7 @@ static void configure_arbiter(void)
 }
 
 /* MAVLink's own parameters are in force after a reset. */
-void command_params_changed(struct command *self, const struct param_set *changed)
+void command_params_in_force(struct command *self, const struct param_set *changed)
 {
 	if (param_set_touches(changed, PARAM_GROUP_LIGHT)) {
 		configure_illuminator();
@@ -187,6 +187,12 @@ void command_params_changed(struct command *self, const struct param_set *change
 	if (!param_set_is_empty(changed)) {
 		storage_save_params(&self->params, changed);
 	}
+}
+
+void command_params_changed(struct command *self, const struct param_set *changed)
+{
+	command_params_in_force(self, changed);
+	mavlink_node_params_changed(changed);
 }
 
 enum params_result command_set_param(struct command *self, const char *name, size_t length,

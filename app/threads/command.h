@@ -72,8 +72,9 @@ enum params_result command_set_param(struct command *command, const char *name, 
                                      int32_t value);
 void command_reset_params(struct command *command);
 
-/* The same, of parameters that have already been changed. */
+/* The same, of parameters that have already been changed; in_force: MAVLink knows already. */
 void command_params_changed(struct command *command, const struct param_set *changed);
+void command_params_in_force(struct command *command, const struct param_set *changed);
 
 /* From functions that run in the command thread: carry out what a step of the core returned. */
 void command_perform(const struct illuminator_outbox *actions);

@@ -23,6 +23,12 @@
 /* Bytes of its transmit ring; each frame takes two more for its length. */
 #define UART_TX_RING_SIZE 2048
 
+/*
+ * Bytes a second of a tunnel over CAN: what a UART of 115200 baud carries, which is about a sixth
+ * of a classic bus of 1 Mbit/s.
+ */
+#define TUNNEL_RATE 11520u
+
 /* Frames between the link threads and the command thread; a full pool makes a link thread wait. */
 #define LINK_FRAMES_MAX 8
 /* CAN frames on the same way. */

@@ -28,6 +28,11 @@ uint32_t link_mask(void)
 	return mask;
 }
 
+uint32_t link_rate(uint8_t link)
+{
+	return link < TUNNEL_LINK0 ? uart_link_rate(link) : TUNNEL_RATE;
+}
+
 int link_stats_get(uint8_t link, struct link_stats *stats)
 {
 	if (link < TUNNEL_LINK0) {

@@ -39,6 +39,9 @@ int link_send(uint8_t link, const uint8_t *frame, size_t length);
 /* Bit per link that is always there: the UARTs of this board. Tunnels come and go. */
 uint32_t link_mask(void);
 
+/* Bytes a second that a link carries; 0: not known. */
+uint32_t link_rate(uint8_t link);
+
 /* Counters of a link. Any thread. -ENODEV: no such link. */
 int link_stats_get(uint8_t link, struct link_stats *stats);
 

@@ -22,14 +22,17 @@ void mavlink_node_init(struct command *command)
 {
 	const int64_t now_us = clock_now_us();
 	const int32_t system_id = command->params.values[PARAM_MAV_SYSID];
-	const struct mavlink_endpoint_config config = {
+	struct mavlink_endpoint_config config = {
 		.system_id = (uint8_t)(system_id != 0 ? system_id : SYSTEM_ID_FALLBACK),
 		.links = (uint8_t)link_mask(),
 	};
 	char text[IDENTITY_BOOT_TEXT_MAX];
 
 	mavlink_illuminator_init(&illuminator, &command->illuminator, &command->arbiter,
-	                         identity_get());
+	                         identity_get(), &command->params);
+	for (uint8_t link = 0; link < LINKS_MAX; link++) {
+		config.rates[link] = link_rate(link);
+	}
 	mavlink_endpoint_init(&endpoint, &config);
 	mavlink_endpoint_add(&endpoint, now_us, (uint8_t)command->params.values[PARAM_MAV_COMPID],
 	                     &mavlink_illuminator_profile, &illuminator);
@@ -41,7 +44,7 @@ void mavlink_node_init(struct command *command)
 static void perform(struct command *command)
 {
 	command_perform(&out.core);
-	command_params_changed(command, &out.params);
+	command_params_in_force(command, &out.params);
 	if (out.command != 0) {
 		probe_set(devices.probe, PROBE_COMMAND, out.command);
 	}
@@ -61,6 +64,11 @@ void mavlink_node_take(struct command *command, uint8_t link, const uint8_t *byt
 void mavlink_node_observe(const struct illuminator_outbox *actions)
 {
 	mavlink_endpoint_observe(&endpoint, clock_now_us(), actions);
+}
+
+void mavlink_node_params_changed(const struct param_set *changed)
+{
+	mavlink_params_changed(&illuminator.params, clock_now_us(), endpoint.config.links, changed);
 }
 
 void mavlink_node_step(struct command *command)

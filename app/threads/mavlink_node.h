@@ -21,6 +21,9 @@ void mavlink_node_take(struct command *command, uint8_t link, const uint8_t *byt
 /* Someone else has stepped the core, which returned these. */
 void mavlink_node_observe(const struct illuminator_outbox *actions);
 
+/* Someone else has changed these parameters. */
+void mavlink_node_params_changed(const struct param_set *changed);
+
 /* Sends what is due. */
 void mavlink_node_step(struct command *command);
 int64_t mavlink_node_deadline_us(void);

@@ -15,6 +15,8 @@
 #include "threads/link.h"
 #include "threads/supervisor.h"
 
+#define BITS_PER_BYTE 10u /* start, 8 data, stop */
+
 struct uart_link {
 	struct ring_buf rx; /* the interrupt puts, the thread takes */
 	struct ring_buf
@@ -134,6 +136,16 @@ int uart_link_send(uint8_t number, const uint8_t *frame, size_t length)
 	irq_unlock(key);
 	uart_irq_tx_enable(devices.uart_links[number]);
 	return 0;
+}
+
+uint32_t uart_link_rate(uint8_t number)
+{
+	struct uart_config config;
+
+	if (find(number) == NULL || uart_config_get(devices.uart_links[number], &config) != 0) {
+		return 0;
+	}
+	return config.baudrate / BITS_PER_BYTE;
 }
 
 int uart_link_stats_get(uint8_t number, struct link_stats *stats)

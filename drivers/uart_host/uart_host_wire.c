@@ -8,8 +8,10 @@
 #include "host/wire.h"
 #include "uart_host_wire.h"
 
+/* Of a wire that takes its time, and what any other wire is taken for. */
 enum {
-	BAUD_DEFAULT = 57600
+	BAUD_PACED = 57600,
+	BAUD_UNPACED = 921600,
 };
 
 struct port {
@@ -125,7 +127,7 @@ static int parse_port(struct port *port, const char *value, struct host_error *e
 	}
 	strcpy(url, value);
 	port->paced = false;
-	port->baud = BAUD_DEFAULT;
+	port->baud = 0;
 	do {
 		result = parse_suffix(port, url, error);
 	} while (result > 0);
@@ -135,6 +137,8 @@ static int parse_port(struct port *port, const char *value, struct host_error *e
 	comma = strrchr(url, ',');
 	if (port->wire.type == &wire_serial && comma != NULL) {
 		port->baud = (uint32_t)strtoul(comma + 1, NULL, 10);
+	} else if (port->baud == 0) {
+		port->baud = port->paced ? BAUD_PACED : BAUD_UNPACED;
 	}
 	return 0;
 }
@@ -165,7 +169,8 @@ static const struct host_option options[] = {
          "stdio[:eof=exit]     standard input and output\n"
          "none                 not connected\n"
          "port 0: any free one, printed at start. After it: ,paced for bytes\n"
-         "that take their time (in virtual time too), ,baud=N (57600)",
+         "that take their time (in virtual time too), ,baud=N (57600, or\n"
+         "921600 where bytes take no time)",
          parse_port_0},
 	{"uart1", "WIRE", "the same for the second UART", parse_port_1},
 	{"uart2", "WIRE", "the third", parse_port_2},

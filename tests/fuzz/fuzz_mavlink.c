@@ -43,6 +43,7 @@ struct script {
 
 static struct illuminator light;
 static struct arbiter arbiter;
+static struct params params;
 static struct mavlink_illuminator service;
 static struct mavlink_endpoint endpoint;
 static struct mavlink_outbox out;
@@ -67,7 +68,8 @@ static void start(void)
 	now_us = 0;
 	illuminator_init(&light, &light_config);
 	arbiter_init(&arbiter, &arbiter_config);
-	mavlink_illuminator_init(&service, &light, &arbiter, &identity);
+	params_init(&params);
+	mavlink_illuminator_init(&service, &light, &arbiter, &identity, &params);
 	mavlink_endpoint_init(&endpoint, &config);
 	mavlink_endpoint_add(&endpoint, 0, 243, &mavlink_illuminator_profile, &service);
 	for (size_t i = 0; i < MAVLINK_LINKS_MAX; i++) {

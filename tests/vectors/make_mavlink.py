@@ -78,7 +78,7 @@ FRAMES: list[tuple[str, tuple[int, int], bool, int, bool, str, tuple[Any, ...]]]
         1,
         False,
         "component_information_basic",
-        (2000, 8200, 1700000000, b"Pharos", b"Light", b"1.2.3", b"4.5.6", b"SN-0042"),
+        (2000, 8216, 1700000000, b"Pharos", b"Light", b"1.2.3", b"4.5.6", b"SN-0042"),
     ),
     ("INTERVAL_OF_STATUS", LIGHT, False, 1, False, "message_interval", (440, 1000000)),
     (
@@ -88,12 +88,16 @@ FRAMES: list[tuple[str, tuple[int, int], bool, int, bool, str, tuple[Any, ...]]]
         1,
         False,
         "autopilot_version",
-        (8200, 0x010203FF, 0, 0, 0, bytes(8), bytes(8), bytes(8), 0, 0, 0),
+        (8216, 0x010203FF, 0, 0, 0, bytes(8), bytes(8), bytes(8), 0, 0, 0),
     ),
     ("PROTOCOL", LIGHT, False, 1, False, "protocol_version", (200, 100, 200, bytes(8), bytes(8))),
     ("PING_QUESTION", GROUND, False, 10, False, "ping", (123456789, 77, 0, 0)),
     ("PING_ANSWER", LIGHT, False, 0, False, "ping", (123456789, 77, 255, 190)),
     ("TIMESYNC_QUESTION", GROUND, False, 11, False, "timesync", (0, 555666777888)),
+    ("PARAM_READ_UNKNOWN", GROUND, False, 12, False, "param_request_read", (1, 243, b"NONE", -1)),
+    ("PARAM_ERROR_UNKNOWN", LIGHT, False, 0, False, "param_error", (255, 190, b"NONE", -1, 1)),
+    ("PARAM_LIST", GROUND, False, 13, False, "param_request_list", (1, 243)),
+    ("PARAM_SET_CURVE", GROUND, False, 14, False, "param_set", (1, 243, b"LGT_CURVE", 0.0, 6)),
     ("TEXT_THROTTLING", LIGHT, False, 0, False, "statustext", (4, b"Thermal throttling begins")),
 ]
 

@@ -31,6 +31,9 @@ _Static_assert(MAVLINK_MSG_ID_COMPONENT_INFORMATION_BASIC_LEN == 160, "common.xm
 _Static_assert(offsetof(mavlink_component_information_basic_t, serial_number) == 128, "wire order");
 _Static_assert(MAVLINK_MSG_ID_COMPONENT_METADATA == 397, "common.xml");
 _Static_assert(MAVLINK_MSG_ID_COMPONENT_METADATA_CRC == 182, "common.xml");
+_Static_assert(MAVLINK_MSG_ID_PARAM_ERROR == 345, "common.xml");
+_Static_assert(MAVLINK_MSG_ID_PARAM_ERROR_CRC == 209, "common.xml");
+_Static_assert(MAV_PARAM_ERROR_TYPE_MISMATCH == 7, "common.xml");
 _Static_assert(MAV_TYPE_ILLUMINATOR == 44, "minimal.xml");
 _Static_assert(MAV_COMP_ID_ILLUMINATOR == 243, "minimal.xml");
 _Static_assert(MAV_CMD_ILLUMINATOR_ON_OFF == 405, "common.xml");

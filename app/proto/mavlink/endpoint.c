@@ -232,3 +232,38 @@ bool mavlink_send(const struct mavlink_context *context, uint8_t link,
 	to->stats.tx_frames++;
 	return true;
 }
+
+int64_t mavlink_bulk_due_us(const struct mavlink_endpoint *self, uint8_t link)
+{
+	return self->links[link].bulk_us;
+}
+
+/* Time that bytes take at bulk's part of the link's rate. */
+static int64_t bulk_time_us(const struct mavlink_endpoint *self, uint8_t link, size_t length)
+{
+	const uint32_t configured = self->config.rates[link];
+	const uint32_t rate = configured != 0 ? configured : MAVLINK_RATE_DEFAULT;
+
+	return (int64_t)length * 100 * US_PER_S / ((int64_t)rate * MAVLINK_BULK_PERCENT);
+}
+
+bool mavlink_send_bulk(const struct mavlink_context *context, uint8_t link,
+                       const struct mavlink_kind *kind, const void *payload)
+{
+	struct mavlink_link *const to = &context->endpoint->links[link];
+
+	if (!mavlink_send(context, link, kind, payload)) {
+		return false;
+	}
+
+	const struct mavlink_outbox *const out = context->out;
+	const int64_t time_us =
+		bulk_time_us(context->endpoint, link, out->frames[out->count - 1].length);
+
+	/* A call that is a little late keeps the pace; a pause gives no credit. */
+	if (to->bulk_us + time_us < context->now_us) {
+		to->bulk_us = context->now_us;
+	}
+	to->bulk_us += time_us;
+	return true;
+}

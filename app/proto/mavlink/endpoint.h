@@ -100,7 +100,8 @@ struct mavlink_receiver_row {
 };
 
 struct mavlink_profile {
-	uint8_t type; /* MAV_TYPE */
+	uint32_t capabilities; /* MAV_PROTOCOL_CAPABILITY beside those of every component */
+	uint8_t type;          /* MAV_TYPE */
 	uint8_t command_count;
 	uint8_t message_count; /* at most MAVLINK_MESSAGES_MAX */
 	uint8_t receiver_count;
@@ -143,6 +144,7 @@ struct mavlink_link_stats {
 };
 
 struct mavlink_link {
+	int64_t bulk_us; /* when bulk may go on */
 	uint8_t version; /* 0: nothing heard yet, spoken to as 2 */
 	struct mavlink_link_stats stats;
 };
@@ -162,10 +164,11 @@ struct mavlink_texts {
 	uint32_t dropped;
 };
 
-/* system_id 1…255. links: bit per link that is up. */
+/* system_id 1…255. links: bit per link that is up. rates: bytes a second that a link carries. */
 struct mavlink_endpoint_config {
 	uint8_t system_id;
 	uint8_t links;
+	uint32_t rates[MAVLINK_LINKS_MAX]; /* 0: MAVLINK_RATE_DEFAULT */
 };
 
 /* Readable by the owner; only the functions below write. */
@@ -235,6 +238,15 @@ bool mavlink_endpoint_text(struct mavlink_endpoint *self, int64_t now_us, uint8_
  */
 bool mavlink_send(const struct mavlink_context *context, uint8_t link,
                   const struct mavlink_kind *kind, const void *payload);
+
+/*
+ * Bulk (a list of parameters, a file) shares MAVLINK_BULK_PERCENT of a link's rate, so that the
+ * rest stays for commands and streams: nothing of it goes before mavlink_bulk_due_us. Sends as
+ * mavlink_send does and moves that time on.
+ */
+int64_t mavlink_bulk_due_us(const struct mavlink_endpoint *self, uint8_t link);
+bool mavlink_send_bulk(const struct mavlink_context *context, uint8_t link,
+                       const struct mavlink_kind *kind, const void *payload);
 
 /* Tells a change on every link whose stream of an ON_CHANGE message is not off, soon. */
 void mavlink_changed(const struct mavlink_context *context);

@@ -23,6 +23,7 @@ from typing import Any
 # id: (name, CRC_EXTRA, length without extensions); from MAVLink's common.xml as of mid 2026.
 EXPECTED = {
     300: ("PROTOCOL_VERSION", 217, 22),
+    345: ("PARAM_ERROR", 209, 21),
     396: ("COMPONENT_INFORMATION_BASIC", 50, 160),
     397: ("COMPONENT_METADATA", 182, 108),
     440: ("ILLUMINATOR_STATUS", 66, 35),

@@ -18,12 +18,14 @@ _Static_assert((int)ILLUMINATOR_MODE_INTERNAL == (int)ILLUMINATOR_MODE_INTERNAL_
 _Static_assert((int)ILLUMINATOR_MODE_SYNC == (int)ILLUMINATOR_MODE_EXTERNAL_SYNC, "wire");
 
 void mavlink_illuminator_init(struct mavlink_illuminator *self, struct illuminator *illuminator,
-                              struct arbiter *arbiter, const struct mavlink_identity *identity)
+                              struct arbiter *arbiter, const struct mavlink_identity *identity,
+                              struct params *params)
 {
 	memset(self, 0, sizeof(*self));
 	self->illuminator = illuminator;
 	self->arbiter = arbiter;
 	self->identity = identity;
+	mavlink_params_init(&self->params, params);
 	for (size_t i = 0; i < MAVLINK_NOTICE_KINDS; i++) {
 		self->noticed_us[i] = -1;
 	}
@@ -219,7 +221,7 @@ static uint8_t fill_identity(const struct mavlink_context *context, float argume
 	const struct mavlink_illuminator *const self = context->component->service;
 
 	(void)argument;
-	mavlink_fill_identity(self->identity, context->now_us, payload);
+	mavlink_fill_identity(context, self->identity, payload);
 	return MAV_RESULT_ACCEPTED;
 }
 
@@ -228,7 +230,7 @@ static uint8_t fill_version(const struct mavlink_context *context, float argumen
 	const struct mavlink_illuminator *const self = context->component->service;
 
 	(void)argument;
-	mavlink_fill_version(self->identity, payload);
+	mavlink_fill_version(context, self->identity, payload);
 	return MAV_RESULT_ACCEPTED;
 }
 
@@ -339,6 +341,29 @@ static void heartbeat(const struct mavlink_context *context, const struct mavlin
 	}
 }
 
+static struct mavlink_params *params_of(const struct mavlink_context *context)
+{
+	return &((struct mavlink_illuminator *)context->component->service)->params;
+}
+
+static void param_request_read(const struct mavlink_context *context,
+                               const struct mavlink_frame *frame)
+{
+	mavlink_params_request_read(params_of(context), context, frame);
+}
+
+static void param_request_list(const struct mavlink_context *context,
+                               const struct mavlink_frame *frame)
+{
+	(void)frame;
+	mavlink_params_request_list(params_of(context), context);
+}
+
+static void param_set(const struct mavlink_context *context, const struct mavlink_frame *frame)
+{
+	mavlink_params_set(params_of(context), context, frame);
+}
+
 static const struct mavlink_receiver_row receivers[] = {
 	{.id = MAVLINK_MSG_ID_COMMAND_LONG,
          .target_system_offset = offsetof(mavlink_command_long_t, target_system),
@@ -360,6 +385,18 @@ static const struct mavlink_receiver_row receivers[] = {
          .target_system_offset = MAVLINK_TIMESYNC_TARGET_SYSTEM,
          .target_component_offset = MAVLINK_TIMESYNC_TARGET_COMPONENT,
          .receive = mavlink_timesync},
+	{.id = MAVLINK_MSG_ID_PARAM_REQUEST_READ,
+         .target_system_offset = offsetof(mavlink_param_request_read_t, target_system),
+         .target_component_offset = offsetof(mavlink_param_request_read_t, target_component),
+         .receive = param_request_read},
+	{.id = MAVLINK_MSG_ID_PARAM_REQUEST_LIST,
+         .target_system_offset = offsetof(mavlink_param_request_list_t, target_system),
+         .target_component_offset = offsetof(mavlink_param_request_list_t, target_component),
+         .receive = param_request_list},
+	{.id = MAVLINK_MSG_ID_PARAM_SET,
+         .target_system_offset = offsetof(mavlink_param_set_t, target_system),
+         .target_component_offset = offsetof(mavlink_param_set_t, target_component),
+         .receive = param_set},
 };
 
 static uint8_t system_status(const void *service)
@@ -370,11 +407,24 @@ static uint8_t system_status(const void *service)
 	                                                                  : MAV_STATE_ACTIVE;
 }
 
+static bool step(const struct mavlink_context *context)
+{
+	return mavlink_params_step(params_of(context), context);
+}
+
+static int64_t deadline_us(const void *service)
+{
+	const struct mavlink_illuminator *const self = service;
+
+	return mavlink_params_deadline_us(&self->params);
+}
+
 #define COUNT(table) (sizeof(table) / sizeof((table)[0]))
 
 _Static_assert(COUNT(messages) <= MAVLINK_MESSAGES_MAX, "a stream for each message");
 
 const struct mavlink_profile mavlink_illuminator_profile = {
+	.capabilities = MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE,
 	.type = MAV_TYPE_ILLUMINATOR,
 	.command_count = COUNT(commands),
 	.message_count = COUNT(messages),
@@ -383,5 +433,7 @@ const struct mavlink_profile mavlink_illuminator_profile = {
 	.messages = messages,
 	.receivers = receivers,
 	.system_status = system_status,
+	.step = step,
+	.deadline_us = deadline_us,
 	.observe = observe,
 };

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The illuminator as a MAVLink component: commands 405 and 406, messages 440, 396 and those that
- * every component has. Floats of commands 405 and 406 end here; the core has integers.
+ * every component has, and the device's parameters. Floats of commands 405 and 406 end here; the
+ * core has integers.
  *
  * ILLUMINATOR_STATUS reports what was commanded. A float comes back exactly as 406 brought it, as
  * long as it is still what the core holds; after a change by someone else it is the core's value.
@@ -15,6 +16,7 @@
 #include "core/illuminator.h"
 #include "proto/mavlink/endpoint.h"
 #include "proto/mavlink/identity.h"
+#include "proto/mavlink/param_service.h"
 
 /* A number of the wire and what it means to the core. */
 struct mavlink_echo {
@@ -26,6 +28,7 @@ struct mavlink_illuminator {
 	struct illuminator *illuminator;
 	struct arbiter *arbiter;
 	const struct mavlink_identity *identity;
+	struct mavlink_params params;
 	struct mavlink_echo brightness;
 	struct mavlink_echo period;
 	struct mavlink_echo duty;
@@ -36,6 +39,7 @@ extern const struct mavlink_profile mavlink_illuminator_profile;
 
 /* All outlive the service. */
 void mavlink_illuminator_init(struct mavlink_illuminator *self, struct illuminator *illuminator,
-                              struct arbiter *arbiter, const struct mavlink_identity *identity);
+                              struct arbiter *arbiter, const struct mavlink_identity *identity,
+                              struct params *params);
 
 #endif

@@ -64,8 +64,10 @@ uint8_t mavlink_fill_protocol_version(const struct mavlink_context *context, flo
                                       void *payload);
 uint8_t mavlink_fill_message_interval(const struct mavlink_context *context, float argument,
                                       void *payload);
-void mavlink_fill_identity(const struct mavlink_identity *identity, int64_t now_us, void *payload);
-void mavlink_fill_version(const struct mavlink_identity *identity, void *payload);
+void mavlink_fill_identity(const struct mavlink_context *context,
+                           const struct mavlink_identity *identity, void *payload);
+void mavlink_fill_version(const struct mavlink_context *context,
+                          const struct mavlink_identity *identity, void *payload);
 void mavlink_ping(const struct mavlink_context *context, const struct mavlink_frame *frame);
 /* TIMESYNC has come to have target ids as extensions; pymavlink 2.4.50 does not know them yet. */
 #define MAVLINK_TIMESYNC_TARGET_SYSTEM    16

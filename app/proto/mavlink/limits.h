@@ -44,6 +44,11 @@
 #define MAVLINK_INTERVAL_MIN_US   1000
 #define MAVLINK_CHANGE_GAP_MIN_US 100000
 
+/* What a link carries when its rate is not known, 57600 baud, and the part of it that bulk takes.
+ */
+#define MAVLINK_RATE_DEFAULT 5760u
+#define MAVLINK_BULK_PERCENT 45u
+
 /* STATUSTEXT: waiting texts, and how often: a burst, then one per period; each kind once per gap.
  */
 #define MAVLINK_TEXT_BYTES     50

@@ -10,6 +10,7 @@
 #define PROTOCOL_VERSION_1 100
 #define PROTOCOL_VERSION_2 200
 
+/* Of every component. */
 #define CAPABILITIES (MAV_PROTOCOL_CAPABILITY_MAVLINK2 | MAV_PROTOCOL_CAPABILITY_COMMAND_INT)
 
 uint8_t mavlink_fill_heartbeat(const struct mavlink_context *context, float argument, void *payload)
@@ -62,12 +63,18 @@ static void copy_text(char *field, size_t size, const char *text)
 	}
 }
 
-void mavlink_fill_identity(const struct mavlink_identity *identity, int64_t now_us, void *payload)
+static uint32_t capabilities(const struct mavlink_context *context)
+{
+	return CAPABILITIES | context->component->profile->capabilities;
+}
+
+void mavlink_fill_identity(const struct mavlink_context *context,
+                           const struct mavlink_identity *identity, void *payload)
 {
 	mavlink_component_information_basic_t *const basic = payload;
 
-	basic->capabilities = CAPABILITIES;
-	basic->time_boot_ms = (uint32_t)(now_us / US_PER_MS);
+	basic->capabilities = capabilities(context);
+	basic->time_boot_ms = (uint32_t)(context->now_us / US_PER_MS);
 	basic->time_manufacture_s = identity->time_manufacture_s;
 	copy_text(basic->vendor_name, sizeof(basic->vendor_name), identity->vendor_name);
 	copy_text(basic->model_name, sizeof(basic->model_name), identity->model_name);
@@ -78,11 +85,12 @@ void mavlink_fill_identity(const struct mavlink_identity *identity, int64_t now_
 	copy_text(basic->serial_number, sizeof(basic->serial_number), identity->serial_number);
 }
 
-void mavlink_fill_version(const struct mavlink_identity *identity, void *payload)
+void mavlink_fill_version(const struct mavlink_context *context,
+                          const struct mavlink_identity *identity, void *payload)
 {
 	mavlink_autopilot_version_t *const version = payload;
 
-	version->capabilities = CAPABILITIES;
+	version->capabilities = capabilities(context);
 	version->flight_sw_version = identity->version_code;
 }
 

@@ -3,6 +3,7 @@
 
 struct illuminator light;
 struct arbiter arbiter;
+struct params device_params;
 struct mavlink_illuminator service;
 struct mavlink_endpoint endpoint;
 struct mavlink_outbox out;
@@ -35,7 +36,8 @@ void fixture_before(void *unused)
 	ground_sequence = 0;
 	illuminator_init(&light, &light_config);
 	arbiter_init(&arbiter, &arbiter_config);
-	mavlink_illuminator_init(&service, &light, &arbiter, &identity);
+	params_init(&device_params);
+	mavlink_illuminator_init(&service, &light, &arbiter, &identity, &device_params);
 	mavlink_endpoint_init(&endpoint, &config);
 	mavlink_endpoint_add(&endpoint, now_us, 243, &mavlink_illuminator_profile, &service);
 	memset(&out, 0xA5, sizeof(out));

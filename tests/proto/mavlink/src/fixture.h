@@ -20,6 +20,7 @@
 
 extern struct illuminator light;
 extern struct arbiter arbiter;
+extern struct params device_params;
 extern struct mavlink_illuminator service;
 extern struct mavlink_endpoint endpoint;
 extern struct mavlink_outbox out;

@@ -1,0 +1,285 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "proto/mavlink/param_service.h"
+
+#include "proto/mavlink/dialect.h"
+
+#include <string.h>
+
+#define NAME_BYTES 16
+#define BY_NAME    (-1)
+
+_Static_assert(NAME_BYTES == PARAMS_NAME_MAX, "a name fits its field");
+_Static_assert(sizeof(((mavlink_param_value_t *)0)->param_id) == NAME_BYTES, "common.xml");
+_Static_assert(PARAM_COUNT <= INT16_MAX, "an index fits its field");
+
+void mavlink_params_init(struct mavlink_params *self, struct params *params)
+{
+	*self = (struct mavlink_params){.params = params, .due_us = TIME_NEVER_US};
+}
+
+static size_t name_length(const char *name)
+{
+	size_t length = 0;
+
+	while (length < NAME_BYTES && name[length] != '\0') {
+		length++;
+	}
+	return length;
+}
+
+/* --- answers --------------------------------------------------------------------------------- */
+
+static void fill_value(const struct mavlink_params *self, uint32_t index,
+                       mavlink_param_value_t *wire)
+{
+	const char *const name = params_info(index)->name;
+
+	memset(wire, 0, sizeof(*wire));
+	memcpy(&wire->param_value, &self->params->values[index], sizeof(wire->param_value));
+	wire->param_count = PARAM_COUNT;
+	wire->param_index = (uint16_t)index;
+	memcpy(wire->param_id, name, name_length(name));
+	wire->param_type = MAV_PARAM_TYPE_INT32;
+}
+
+static const struct mavlink_kind value_kind = MAVLINK_KIND(PARAM_VALUE);
+
+static void answer(const struct mavlink_params *self, const struct mavlink_context *context,
+                   uint32_t index)
+{
+	mavlink_param_value_t wire;
+
+	fill_value(self, index, &wire);
+	(void)mavlink_send(context, context->link, &value_kind, &wire);
+}
+
+/* index BY_NAME, or what was asked by index, when name is NULL. */
+static void refuse(const struct mavlink_context *context, const char *name, int16_t index,
+                   uint8_t error)
+{
+	static const struct mavlink_kind kind = MAVLINK_KIND(PARAM_ERROR);
+	mavlink_param_error_t wire;
+
+	memset(&wire, 0, sizeof(wire));
+	wire.target_system = context->source_system;
+	wire.target_component = context->source_component;
+	wire.param_index = index;
+	wire.error = error;
+	if (name != NULL) {
+		memcpy(wire.param_id, name, name_length(name));
+	}
+	(void)mavlink_send(context, context->link, &kind, &wire);
+}
+
+/* Another component may have what is asked of all. */
+static void refuse_unknown(struct mavlink_params *self, const struct mavlink_context *context,
+                           uint8_t target_component, const char *name, int16_t index)
+{
+	self->stats.unknown++;
+	if (target_component == context->component->id) {
+		refuse(context, name, index, MAV_PARAM_ERROR_DOES_NOT_EXIST);
+	}
+}
+
+/* --- requests -------------------------------------------------------------------------------- */
+
+void mavlink_params_request_read(struct mavlink_params *self, const struct mavlink_context *context,
+                                 const struct mavlink_frame *frame)
+{
+	mavlink_param_request_read_t wire;
+
+	mavlink_frame_payload(frame, &wire, sizeof(wire));
+
+	const bool by_name = wire.param_index == BY_NAME;
+	const uint32_t index = by_name ? params_find(wire.param_id, name_length(wire.param_id))
+	                               : (uint32_t)(uint16_t)wire.param_index;
+
+	if (index < PARAM_COUNT) {
+		answer(self, context, index);
+	} else {
+		refuse_unknown(self, context, wire.target_component, by_name ? wire.param_id : NULL,
+		               wire.param_index);
+	}
+}
+
+/* Something waits on a link: look again now. */
+static void wake(struct mavlink_params *self, int64_t now_us)
+{
+	self->due_us = now_us < self->due_us ? now_us : self->due_us;
+}
+
+void mavlink_params_request_list(struct mavlink_params *self, const struct mavlink_context *context)
+{
+	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+		param_set_add(&self->waiting[context->link], i);
+	}
+	wake(self, context->now_us);
+}
+
+/* --- sets ------------------------------------------------------------------------------------ */
+
+/* A float counts if it is a whole number that fits; INT32_MAX + 1 is the first that does not. */
+static bool from_real(float real, int32_t *value)
+{
+	if (!(real >= -2147483648.0f && real < 2147483648.0f)) {
+		return false;
+	}
+	*value = (int32_t)real;
+	return (float)*value == real;
+}
+
+/* The number in the four bytes of a PARAM_SET. MAV_PARAM_ERROR_NO_ERROR, or why there is none. */
+static uint8_t value_of(const mavlink_param_set_t *wire, int32_t *value)
+{
+	uint32_t bits;
+
+	memcpy(&bits, &wire->param_value, sizeof(bits));
+	switch (wire->param_type) {
+	case MAV_PARAM_TYPE_UINT8:
+		*value = (uint8_t)bits;
+		return MAV_PARAM_ERROR_NO_ERROR;
+	case MAV_PARAM_TYPE_INT8:
+		*value = (int8_t)bits;
+		return MAV_PARAM_ERROR_NO_ERROR;
+	case MAV_PARAM_TYPE_UINT16:
+		*value = (uint16_t)bits;
+		return MAV_PARAM_ERROR_NO_ERROR;
+	case MAV_PARAM_TYPE_INT16:
+		*value = (int16_t)bits;
+		return MAV_PARAM_ERROR_NO_ERROR;
+	case MAV_PARAM_TYPE_UINT32:
+		*value = (int32_t)bits;
+		return bits <= INT32_MAX ? MAV_PARAM_ERROR_NO_ERROR
+		                         : MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE;
+	case MAV_PARAM_TYPE_INT32:
+		*value = (int32_t)bits;
+		return MAV_PARAM_ERROR_NO_ERROR;
+	case MAV_PARAM_TYPE_REAL32:
+		return from_real(wire->param_value, value) ? MAV_PARAM_ERROR_NO_ERROR
+		                                           : MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE;
+	default: /* any number may come over the wire */
+		return MAV_PARAM_ERROR_TYPE_MISMATCH;
+	}
+}
+
+static uint8_t error_of(enum params_result result)
+{
+	switch (result) {
+	case PARAMS_OK:
+		return MAV_PARAM_ERROR_NO_ERROR;
+	case PARAMS_UNKNOWN:
+		return MAV_PARAM_ERROR_DOES_NOT_EXIST;
+	case PARAMS_READ_ONLY:
+		return MAV_PARAM_ERROR_READ_ONLY;
+	case PARAMS_OUT_OF_RANGE:
+	case PARAMS_CONFLICT:
+		return MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE;
+	}
+	return MAV_PARAM_ERROR_PERMISSION_DENIED;
+}
+
+void mavlink_params_set(struct mavlink_params *self, const struct mavlink_context *context,
+                        const struct mavlink_frame *frame)
+{
+	const uint8_t links = context->endpoint->config.links;
+	mavlink_param_set_t wire;
+	struct param_set changed = {0};
+	int32_t value;
+
+	mavlink_frame_payload(frame, &wire, sizeof(wire));
+	self->stats.sets++;
+
+	const uint32_t index = params_find(wire.param_id, name_length(wire.param_id));
+	uint8_t error = value_of(&wire, &value);
+
+	if (index == PARAM_COUNT) {
+		self->stats.refused++;
+		refuse_unknown(self, context, wire.target_component, wire.param_id, BY_NAME);
+		return;
+	}
+	if (error == MAV_PARAM_ERROR_NO_ERROR) {
+		error = error_of(params_set(self->params, index, value, &changed));
+	}
+	if (error != MAV_PARAM_ERROR_NO_ERROR) {
+		self->stats.refused++;
+		refuse(context, wire.param_id, BY_NAME, error);
+	}
+	answer(self, context, index);
+	param_set_merge(&context->out->params, &changed);
+	mavlink_params_changed(self, context->now_us, links & (uint8_t) ~(1u << context->link),
+	                       &changed);
+}
+
+/* --- what goes out by itself ----------------------------------------------------------------- */
+
+void mavlink_params_changed(struct mavlink_params *self, int64_t now_us, uint8_t links,
+                            const struct param_set *changed)
+{
+	if (param_set_is_empty(changed)) {
+		return;
+	}
+	for (uint8_t link = 0; link < MAVLINK_LINKS_MAX; link++) {
+		if ((links & 1u << link) != 0) {
+			param_set_merge(&self->waiting[link], changed);
+		}
+	}
+	wake(self, now_us);
+}
+
+/* Takes turns from where it stopped, so that repeated requests hold no value back. */
+static uint32_t take_next(struct mavlink_params *self, uint8_t link)
+{
+	struct param_set *const waiting = &self->waiting[link];
+
+	for (uint32_t tried = 0; tried < PARAM_COUNT; tried++) {
+		const uint32_t index = (self->next[link] + tried) % PARAM_COUNT;
+
+		if (param_set_has(waiting, index)) {
+			param_set_remove(waiting, index);
+			self->next[link] =
+				param_set_is_empty(waiting) ? 0 : (index + 1) % PARAM_COUNT;
+			return index;
+		}
+	}
+	return PARAM_COUNT;
+}
+
+static void send_next(struct mavlink_params *self, const struct mavlink_context *context,
+                      uint8_t link)
+{
+	mavlink_param_value_t wire;
+
+	fill_value(self, take_next(self, link), &wire);
+	(void)mavlink_send_bulk(context, link, &value_kind, &wire);
+}
+
+bool mavlink_params_step(struct mavlink_params *self, const struct mavlink_context *context)
+{
+	const struct mavlink_endpoint *const endpoint = context->endpoint;
+	int64_t due_us = TIME_NEVER_US;
+
+	for (uint8_t link = 0; link < MAVLINK_LINKS_MAX; link++) {
+		if ((endpoint->config.links & 1u << link) == 0) {
+			self->waiting[link] = (struct param_set){0}; /* nobody is there any more */
+			self->next[link] = 0;
+		}
+		while (!param_set_is_empty(&self->waiting[link]) &&
+		       mavlink_bulk_due_us(endpoint, link) <= context->now_us) {
+			if (!mavlink_outbox_has_room(context->out)) {
+				return false;
+			}
+			send_next(self, context, link);
+		}
+		if (!param_set_is_empty(&self->waiting[link]) &&
+		    mavlink_bulk_due_us(endpoint, link) < due_us) {
+			due_us = mavlink_bulk_due_us(endpoint, link);
+		}
+	}
+	self->due_us = due_us;
+	return true;
+}
+
+int64_t mavlink_params_deadline_us(const struct mavlink_params *self)
+{
+	return self->due_us;
+}

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The device's parameters over MAVLink: PARAM_REQUEST_READ by index and by name,
+ * PARAM_REQUEST_LIST, PARAM_SET. One component of the device serves the whole table: ground
+ * stations show parameters by component, and would show two tables otherwise.
+ *
+ * Every value is an INT32, bytewise in the float field. A set is taken from any integer type of up
+ * to 32 bits, bytewise, and from REAL32 when that is a whole number; no other type is.
+ *
+ * Every set of a parameter that exists is answered by a PARAM_VALUE with what is now in force. A
+ * refused one by a PARAM_ERROR before it, where the link's version can carry it. A parameter that
+ * does not exist is answered by a PARAM_ERROR alone, and only when the component itself was asked:
+ * what is for every component may be another's.
+ *
+ * A link has a set of values yet to be sent, bulk by mavlink_send_bulk. A list puts all into it; so
+ * several lists at a time are one, and a value is the one in force when it goes. Changes by others
+ * come to it as well, so that ground stations stay up to date.
+ *
+ * Context: the endpoint's. Spec: mavlink.io/en/services/parameter.html; common.xml 20…23, 345.
+ */
+#ifndef PHAROS_PROTO_MAVLINK_PARAM_SERVICE_H
+#define PHAROS_PROTO_MAVLINK_PARAM_SERVICE_H
+
+#include "core/params.h"
+#include "proto/mavlink/endpoint.h"
+
+struct mavlink_params_stats {
+	uint32_t sets;
+	uint32_t refused; /* of these */
+	uint32_t unknown; /* reads and sets of what does not exist */
+};
+
+struct mavlink_params {
+	struct params *params;
+	int64_t due_us;
+	struct param_set waiting[MAVLINK_LINKS_MAX];
+	uint32_t next[MAVLINK_LINKS_MAX]; /* index to look from */
+	struct mavlink_params_stats stats;
+};
+
+/* params outlives the service. */
+void mavlink_params_init(struct mavlink_params *self, struct params *params);
+
+/* Receivers of 20, 21 and 23, addressed to the context's component. */
+void mavlink_params_request_read(struct mavlink_params *self, const struct mavlink_context *context,
+                                 const struct mavlink_frame *frame);
+void mavlink_params_request_list(struct mavlink_params *self,
+                                 const struct mavlink_context *context);
+void mavlink_params_set(struct mavlink_params *self, const struct mavlink_context *context,
+                        const struct mavlink_frame *frame);
+
+/* Somebody else has changed these: to be told on the links (bit per link). */
+void mavlink_params_changed(struct mavlink_params *self, int64_t now_us, uint8_t links,
+                            const struct param_set *changed);
+
+/* As the hooks of a profile. */
+bool mavlink_params_step(struct mavlink_params *self, const struct mavlink_context *context);
+int64_t mavlink_params_deadline_us(const struct mavlink_params *self);
+
+#endif
