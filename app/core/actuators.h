@@ -88,7 +88,7 @@ bool actuators_set_led(struct actuators *self, uint32_t number, uint8_t value);
 /* False: the board has no such output. */
 bool actuators_set_gpio(struct actuators *self, uint32_t number, bool level);
 
-/* The device is up, or down: then nothing has power or moves, and what is commanded waits. */
+/* The device is up, or down: then nothing has power or moves, and its owner takes no commands. */
 bool actuators_is_up(const struct actuators *self);
 
 /*

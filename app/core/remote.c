@@ -15,6 +15,11 @@ static bool axis_valid(int32_t value_ppm)
 	return value_ppm >= -AXIS_MAX_PPM && value_ppm <= AXIS_MAX_PPM;
 }
 
+static bool axes_move(const struct remote_input *input)
+{
+	return input->pan_ppm != 0 || input->tilt_ppm != 0;
+}
+
 static struct remote_output change(struct remote *self, const struct remote_input *input)
 {
 	const struct remote_input before = self->input;
@@ -25,7 +30,7 @@ static struct remote_output change(struct remote *self, const struct remote_inpu
 		.toggle_strobe = input->strobe && !before.strobe,
 		.set_brightness = input->brightness_ppm != 0 &&
 	                          input->brightness_ppm != before.brightness_ppm,
-		.move = input->pan_ppm != before.pan_ppm || input->tilt_ppm != before.tilt_ppm,
+		.move = axes_move(input) || axes_move(&before),
 		.brightness_ppm = input->brightness_ppm,
 		.pan_ppm = input->pan_ppm,
 		.tilt_ppm = input->tilt_ppm,

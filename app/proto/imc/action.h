@@ -15,6 +15,7 @@ enum imc_action_kind {
 	IMC_ACTION_LAMP,           /* lamp: all events, in order, or none */
 	IMC_ACTION_PARAMS_CHANGED, /* changed: put them in force, as core/params.h says; store them
 	                            */
+	IMC_ACTION_ACTUATE,        /* perform the actuation service's effects and outputs */
 	IMC_ACTION_HEARD,          /* its sender is there: a sign of life for the arbiter */
 };
 

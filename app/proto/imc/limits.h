@@ -31,6 +31,9 @@
 #define IMC_OUTBOX_BYTES   (IMC_PACKET_MAX + 1024u)
 #define IMC_OUTBOX_ACTIONS 16u
 
+/* Characters of a name that was asked for in vain, in the log. */
+#define IMC_ACTUATION_NAME_MAX 15u
+
 _Static_assert(IMC_OUTBOX_BYTES <= UINT16_MAX && IMC_STREAM_WINDOW <= UINT16_MAX,
                "offsets are 16 bits");
 _Static_assert(IMC_OUTBOX_PACKETS >= IMC_PEERS_MAX + IMC_STREAM_LINKS + 1u + 12u,

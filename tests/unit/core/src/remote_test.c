@@ -62,11 +62,15 @@ ZTEST(core_remote, test_axes_move_and_stop)
 	zassert_equal(output.pan_ppm, -1000000);
 	zassert_equal(output.tilt_ppm, 0);
 	output = update(1, (struct remote_input){.pan_ppm = -1000000});
-	zassert_true(is_nothing(&output));
+	zassert_true(output.move, "a speed has to be renewed");
 	output = update(2, (struct remote_input){.tilt_ppm = 5});
 	zassert_true(output.move);
 	zassert_equal(output.pan_ppm, 0);
 	zassert_equal(output.tilt_ppm, 5);
+	output = update(3, (struct remote_input){.light = false});
+	zassert_true(output.move && output.pan_ppm == 0 && output.tilt_ppm == 0);
+	output = update(4, (struct remote_input){.light = false});
+	zassert_true(is_nothing(&output), "it stands still, and somebody else may turn it");
 }
 
 ZTEST(core_remote, test_silence_stops_the_axes_and_leaves_the_lamp)
