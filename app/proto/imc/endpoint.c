@@ -180,6 +180,9 @@ void imc_endpoint_receive(struct imc_endpoint *self, int64_t now_us, const struc
 		return;
 	}
 	imc_node_receive(&self->node, now_us, &self->packet, out);
+	if (self->actuation != NULL) {
+		imc_actuation_receive(self->actuation, now_us, &self->packet, out);
+	}
 	finish(self, out);
 }
 
@@ -187,12 +190,33 @@ void imc_endpoint_step(struct imc_endpoint *self, int64_t now_us, struct imc_out
 {
 	begin(self, now_us, NULL, out);
 	imc_node_step(&self->node, now_us, out);
+	if (self->actuation != NULL && imc_actuation_deadline_us(self->actuation) <= now_us) {
+		imc_actuation_step(self->actuation, now_us, out);
+	}
 	finish(self, out);
+}
+
+void imc_endpoint_button(struct imc_endpoint *self, int64_t now_us, uint8_t button, bool pressed,
+                         struct imc_outbox *out)
+{
+	begin(self, now_us, NULL, out);
+	imc_actuation_button(button, pressed, out);
+	finish(self, out);
+}
+
+void imc_endpoint_attach(struct imc_endpoint *self, struct imc_actuation *actuation)
+{
+	self->actuation = actuation;
 }
 
 int64_t imc_endpoint_deadline_us(const struct imc_endpoint *self)
 {
-	return imc_node_deadline_us(&self->node);
+	const int64_t node_us = imc_node_deadline_us(&self->node);
+	const int64_t actuation_us = (self->actuation != NULL)
+	                                     ? imc_actuation_deadline_us(self->actuation)
+	                                     : TIME_NEVER_US;
+
+	return (actuation_us < node_us) ? actuation_us : node_us;
 }
 
 void imc_endpoint_report(struct imc_endpoint *self, const struct illuminator *illuminator)

@@ -15,6 +15,7 @@
 #define PHAROS_PROTO_IMC_ENDPOINT_H
 
 #include "core/illuminator.h"
+#include "proto/imc/actuation.h"
 #include "proto/imc/node.h"
 #include "proto/imc/outbox.h"
 
@@ -41,6 +42,7 @@ struct imc_endpoint {
 	uint16_t id;
 	int64_t unix_offset_us; /* Unix time less time since boot; 0: not known */
 	struct imc_node node;
+	struct imc_actuation *actuation; /* NULL: none */
 	struct imc_endpoint_stats stats;
 	struct imc_packet packet; /* the one that is being received */
 };
@@ -48,6 +50,13 @@ struct imc_endpoint {
 /* params: kept by reference. */
 void imc_endpoint_init(struct imc_endpoint *self, int64_t now_us,
                        const struct imc_endpoint_config *config, struct params *params);
+
+/* From now on with this service, kept by reference. */
+void imc_endpoint_attach(struct imc_endpoint *self, struct imc_actuation *actuation);
+
+/* A button of the device has changed: everyone is told. *out is overwritten. */
+void imc_endpoint_button(struct imc_endpoint *self, int64_t now_us, uint8_t button, bool pressed,
+                         struct imc_outbox *out);
 
 /* bytes: a whole packet, verified. route: where it came from. *out is overwritten. */
 void imc_endpoint_receive(struct imc_endpoint *self, int64_t now_us, const struct imc_route *route,
