@@ -137,6 +137,10 @@ static enum control_result run_bus_off(struct control_call *call)
 	if (!control_integer_or(call, "hold_us", 0, UINT32_MAX, &hold_us)) {
 		return CONTROL_ERROR;
 	}
+	if (can0.type->is_real) {
+		return control_fail(call, "the controller of %s is real: only it goes bus-off",
+		                    can0.url);
+	}
 	can_bus_force_off(&can0, (uint32_t)hold_us);
 	return CONTROL_OK;
 }

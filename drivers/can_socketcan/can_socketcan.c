@@ -11,6 +11,7 @@
 #include <linux/can.h>
 #include <linux/can/error.h>
 #include <linux/can/raw.h>
+#include <linux/sock_diag.h>
 #include <net/if.h>
 #include <stdio.h>
 #include <string.h>
@@ -33,6 +34,7 @@ struct socketcan {
 	struct loop_timer busy;
 	int fd; /* 0: none */
 	bool has_fd_frames;
+	uint64_t drops_before; /* of earlier sockets */
 };
 
 static struct canfd_frame frames[READ_BATCH];
@@ -51,10 +53,24 @@ static int parse(struct can_bus *bus, const char *rest, struct host_error *error
 	return 0;
 }
 
+/* What did not fit into the socket's receive queue. */
+static void count_drops(struct can_bus *bus)
+{
+	const struct socketcan *socketcan = bus->state;
+	uint32_t memory[SK_MEMINFO_VARS] = {0};
+	socklen_t size = sizeof(memory);
+
+	if (socketcan->fd > 0 &&
+	    getsockopt(socketcan->fd, SOL_SOCKET, SO_MEMINFO, memory, &size) == 0) {
+		bus->kept.counts.rx_drops = socketcan->drops_before + memory[SK_MEMINFO_DROPS];
+	}
+}
+
 /* --- failure --------------------------------------------------------------------------------- */
 
 static void close_socket(struct socketcan *socketcan)
 {
+	count_drops(socketcan->bus);
 	loop_timer_stop(&socketcan->busy);
 	loop_remove(&socketcan->source);
 	if (socketcan->fd > 0) {
@@ -320,6 +336,7 @@ static void start(struct can_bus *bus)
 		return;
 	}
 	socketcan->fd = fd;
+	socketcan->drops_before = bus->kept.counts.rx_drops;
 	socketcan->source.fd = fd;
 	socketcan->source.ready = on_readable;
 	socketcan->source.again = read_some;
@@ -342,4 +359,5 @@ const struct can_bus_type can_bus_socketcan = {
 	.stop = stop,
 	.send = send_frame,
 	.pause = pause_reading,
+	.count = count_drops,
 };
