@@ -5,7 +5,7 @@ the point. A failing test prints how to replay each light it started."""
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,7 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line(
         "markers", "realtime: needs the host's clock; all else runs in virtual time"
     )
+    config.addinivalue_line("markers", "bus: over a CAN bus, whichever PHAROS_BUS names")
 
 
 @pytest.hookimpl(hookwrapper=True)
@@ -59,7 +60,12 @@ def start(request: pytest.FixtureRequest) -> Iterator[Callable[..., Simulator]]:
         yield begin
 
 
-@pytest.fixture(params=sorted(TRANSPORTS))
+def _params(names: Iterable[str]) -> list[Any]:
+    marks = {name: [pytest.mark.bus] if TRANSPORTS[name].is_can else [] for name in names}
+    return [pytest.param(name, marks=marks[name]) for name in sorted(names)]
+
+
+@pytest.fixture(params=_params(TRANSPORTS))
 def transport(request: pytest.FixtureRequest) -> Transport:
     return TRANSPORTS[request.param]
 

@@ -65,8 +65,9 @@ WIRES = {
     "tcp": "tcpin:127.0.0.1:0",
     "pty": "pty:{folder}/uart0",
 }
-# A user-space CAN bus of the test's own.
-BUS = "udp:127.255.255.255:{port}"
+# A user-space CAN bus of the test's own; PHAROS_BUS=socketcan:vcan0 is one of the kernel's.
+BUS = os.environ.get("PHAROS_BUS", "udp:127.255.255.255:{port}")
+HAS_OWN_CONTROLLER = not BUS.startswith("udp")
 NODE = 68  # CAN_NODE_ID by default
 
 

@@ -23,6 +23,7 @@ STEP_US = 10_000
 log_level = uavcan.protocol.debug.LogLevel()
 GOLDEN_STATUS = 0x18015544  # NodeStatus of node 68
 Starts = Callable[..., Simulator]
+pytestmark = pytest.mark.bus
 
 
 class Peer:
