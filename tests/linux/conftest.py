@@ -1,15 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fixtures of the tests that need a kernel with CAN and GPIO: guest.py runs them in its guest.
-
-vcan0, vcan1     names of virtual CAN interfaces that are up, with room for CAN FD frames
-gpio_sim         gpio_sim("name of line 0", …): a chip of gpio-sim
-light, binary    the native light in real time; each test runs over every libgpiod there is
-"""
+What they are made of is in guest_can.py, guest_gpio.py and guest_light.py."""
 
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
@@ -25,66 +20,55 @@ if not IN_GUEST:
 else:
     sys.path.insert(0, str(ROOT / "host" / "src"))
     sys.path.insert(0, str(ROOT / "tests" / "native"))
-    from guest_light import GpioSim, Light
-
-BUILD = Path(os.environ.get("PHAROS_BUILD", ROOT / "build" / "native")).resolve()
-BINARIES = {"libgpiod1": BUILD / "pharos"}
-if "PHAROS_LIGHT2" in os.environ:
-    BINARIES["libgpiod2"] = Path(os.environ["PHAROS_LIGHT2"])
-
-
-def _ip(*words: str) -> None:
-    subprocess.run(["ip", "link", *words], check=True)
-
-
-def _vcan(name: str) -> Iterator[str]:
-    _ip("add", "dev", name, "type", "vcan")
-    _ip("set", name, "mtu", "72", "up")
-    yield name
-    _ip("del", name)
+    from guest_can import vcan
+    from guest_gpio import GpioSim
+    from guest_light import BINARIES, Light, Start
 
 
 @pytest.fixture
 def vcan0() -> Iterator[str]:
-    yield from _vcan("vcan0")
+    """The name of a virtual CAN interface that is up, with room for CAN FD frames."""
+    with vcan("vcan0") as name:
+        yield name
 
 
 @pytest.fixture
 def vcan1() -> Iterator[str]:
-    yield from _vcan("vcan1")
+    with vcan("vcan1") as name:
+        yield name
 
 
 @pytest.fixture
 def gpio_sim() -> Iterator[Callable[..., GpioSim]]:
-    chips: list[GpioSim] = []
+    """gpio_sim("name of line 0", …): a chip of gpio-sim."""
+    with ExitStack() as stack:
+        count = 0
 
-    def make(*lines: str) -> GpioSim:
-        chips.append(GpioSim(f"chip{len(chips)}", lines))
-        return chips[-1]
+        def make(*lines: str) -> GpioSim:
+            nonlocal count
+            chip = GpioSim(f"chip{count}", lines)
+            count += 1
+            stack.callback(chip.remove)
+            return chip
 
-    yield make
-    for chip in chips:
-        chip.remove()
+        yield make
 
 
-@pytest.fixture(params=sorted(BINARIES))
+@pytest.fixture(params=sorted(BINARIES) if IN_GUEST else [])
 def binary(request: pytest.FixtureRequest) -> Path:
+    """The native light with each libgpiod there is."""
     return BINARIES[str(request.param)]
 
 
 @pytest.fixture
-def start(binary: Path, tmp_path: Path) -> Iterator[Callable[..., Light]]:
-    """start(option, …): lights that end with the test."""
-    with ExitStack() as stack:
-        count = 0
+def start(binary: Path, tmp_path: Path) -> Iterator[Start]:
+    """start(option, …): lights in real time that end with the test."""
+    with Light.starter(binary, tmp_path) as begin:
+        yield begin
 
-        def begin(*options: str) -> Light:
-            nonlocal count
-            count += 1
-            folder = tmp_path / str(count)
-            folder.mkdir()
-            light = Light(binary, folder, *options)
-            stack.callback(light.close)
-            return light
 
+@pytest.fixture
+def start_can(tmp_path: Path) -> Iterator[Start]:
+    """The same where the libgpiod is beside the point."""
+    with Light.starter(BINARIES["libgpiod1"], tmp_path) as begin:
         yield begin

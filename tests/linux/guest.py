@@ -4,6 +4,7 @@
     guest.py build              the kernel, from Debian's source package, into build/guest
     guest.py run -- COMMAND…    COMMAND as root in the guest; its output and exit status
     guest.py test [PYTEST…]     the tests of this folder in the guest
+    guest.py system [PYTEST…]   those of tests/system that go over a CAN bus, over the guest's vcan0
 
 The guest runs the host's own programs on the host's root, which it cannot change: what it writes
 is gone when it ends. As root, missing packages are installed.
@@ -27,7 +28,7 @@ import tarfile
 import tempfile
 import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -42,7 +43,10 @@ PACKAGES = (
 )  # fmt: skip
 MEMORY = "512M"
 TEST_S = 300.0
+SYSTEM_S = 600.0
 SKIP = "PHAROS_SKIP_GUEST"
+PYTEST = (sys.executable, "-m", "pytest", "-q", "--color=no", "-p", "no:cacheprovider")
+ON_VCAN0 = {"PHAROS_BUS": "socketcan:vcan0"}
 
 
 class GuestError(Exception):
@@ -266,15 +270,20 @@ def build_light2() -> Path:
 # --- the tests -------------------------------------------------------------------------------
 
 
-def run_tests(build: Path, arguments: Sequence[str]) -> Result:
-    """The tests of this folder in a guest, on the light in `build` and on one with libgpiod 2."""
-    replay = f"PHAROS_BUILD={build} {sys.executable} tests/linux/guest.py test"
+def _pytest(
+    action: str,
+    build: Path,
+    command: Sequence[str],
+    timeout_s: float,
+    environment: Callable[[], Mapping[str, str]],
+) -> Result:
+    """A command that ends in pytest, in a guest, on the light in `build`."""
+    replay = f"PHAROS_BUILD={build} {sys.executable} tests/linux/guest.py {action}"
     try:
         install_packages()
         build_kernel()
-        env = {"PHAROS_BUILD": str(build), "PHAROS_LIGHT2": str(build_light2())}
-        command = [sys.executable, "-m", "pytest", "-q", "--color=no", "-p", "no:cacheprovider"]
-        status, text = run([*command, *arguments, "tests/linux"], env=env)
+        env = {"PHAROS_BUILD": str(build), **environment()}
+        status, text = run(command, env=env, timeout_s=timeout_s)
     except GuestError as error:
         print(f"guest: {error}")
         return Result(failed=1, replay=replay, note=f"no guest: {error}")
@@ -286,11 +295,31 @@ def run_tests(build: Path, arguments: Sequence[str]) -> Result:
     return Result(int(passed[1]) if passed else 0, failed, replay if failed else "")
 
 
+def run_tests(build: Path, arguments: Sequence[str]) -> Result:
+    """The tests of this folder, on the light in `build` and on one with libgpiod 2."""
+    command = [*PYTEST, *arguments, "tests/linux"]
+    return _pytest("test", build, command, TEST_S, lambda: {"PHAROS_LIGHT2": str(build_light2())})
+
+
+def run_system(build: Path, arguments: Sequence[str]) -> Result:
+    """The system tests that go over a CAN bus, over vcan0."""
+    on_vcan0 = (sys.executable, str(HERE / "guest_can.py"), *PYTEST, "-m", "bus")
+    command = [*on_vcan0, *arguments, "tests/system"]
+    return _pytest("system", build, command, SYSTEM_S, lambda: ON_VCAN0)
+
+
 def stage(preset: str) -> Result:
     """The `linux` stage of tests/run.py, on the light in build/<preset>."""
     if os.environ.get(SKIP, "0") not in ("", "0"):
         return Result(note=f"skipped: {SKIP} is set")
-    return run_tests(ROOT / "build" / preset, [])
+    build = ROOT / "build" / preset
+    here, system = run_tests(build, []), run_system(build, [])
+    return Result(
+        here.passed + system.passed,
+        here.failed + system.failed,
+        here.replay or system.replay,
+        here.note or system.note or f"{system.passed} of them: tests/system over vcan0",
+    )
 
 
 def main() -> int:
@@ -303,7 +332,9 @@ def main() -> int:
     in_guest.add_argument("--timeout", type=float, default=TEST_S, metavar="SECONDS")
     in_guest.add_argument("command", nargs="+")
     tests = actions.add_parser("test", help="run the tests of this folder in the guest")
-    tests.add_argument("pytest", nargs="*", help="options for pytest, after --")
+    system = actions.add_parser("system", help="run the system tests over the guest's vcan0")
+    for parser_of_tests in (tests, system):
+        parser_of_tests.add_argument("pytest", nargs="*", help="options for pytest, after --")
     args = parser.parse_args()
     try:
         install_packages()
@@ -316,7 +347,8 @@ def main() -> int:
         print(f"guest: {error}", file=sys.stderr)
         return 1
     build = Path(os.environ.get("PHAROS_BUILD", ROOT / "build" / "native")).resolve()
-    return int(run_tests(build, args.pytest).failed > 0)
+    run_them = run_system if args.action == "system" else run_tests
+    return int(run_them(build, args.pytest).failed > 0)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests in the guest build on: simulated GPIO chips, CAN interfaces, a light in real time.
+"""The light in real time, as the tests in the guest see it: by its shell and its control socket.
 
 Nothing here asserts a time: until() waits for what must happen, and PATIENCE_S only ends a wait for
 what never does.
@@ -13,15 +13,19 @@ import re
 import signal
 import subprocess
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 from pharos.control import ControlClient
 
+ROOT = Path(__file__).resolve().parents[2]
 PATIENCE_S = 30.0
-CONFIGFS = Path("/sys/kernel/config/gpio-sim")
-PLATFORM = Path("/sys/devices/platform")
+BUILD = Path(os.environ.get("PHAROS_BUILD", ROOT / "build" / "native")).resolve()
+# Which light to test with each libgpiod.
+BINARIES = {"libgpiod1": BUILD / "pharos"}
+if "PHAROS_LIGHT2" in os.environ:
+    BINARIES["libgpiod2"] = Path(os.environ["PHAROS_LIGHT2"])
 
 
 def until(what: str, condition: Callable[[], Any]) -> Any:
@@ -41,69 +45,7 @@ def pass_time(seconds: float) -> None:
     until(f"{seconds} s", lambda: time.monotonic() > end)
 
 
-class GpioSim:
-    """A chip of the kernel's gpio-sim: what is outside of it is moved and seen here."""
-
-    def __init__(self, name: str, lines: Sequence[str]) -> None:
-        self._folder = CONFIGFS / name
-        self._bank = self._folder / "gpio-bank0"
-        self._lines = list(lines)
-        self._bank.mkdir(parents=True)
-        self.label = name
-        (self._bank / "label").write_text(name)
-        (self._bank / "num_lines").write_text(str(len(lines)))
-        for number, line in enumerate(lines):
-            (self._bank / f"line{number}").mkdir()
-            (self._bank / f"line{number}" / "name").write_text(line)
-        self.plug()
-
-    def plug(self) -> None:
-        (self._folder / "live").write_text("1")
-        chip = (self._bank / "chip_name").read_text().strip()
-        self.device = f"/dev/{chip}"
-        self._sysfs = PLATFORM / (self._folder / "dev_name").read_text().strip() / chip
-        until(self.device, lambda: Path(self.device).exists())
-
-    def unplug(self) -> None:
-        (self._folder / "live").write_text("0")
-
-    def remove(self) -> None:
-        self.unplug()
-        for number in range(len(self._lines)):
-            (self._bank / f"line{number}").rmdir()
-        self._bank.rmdir()
-        self._folder.rmdir()
-
-    def _attribute(self, line: str, name: str) -> Path:
-        return self._sysfs / f"sim_gpio{self.number(line)}" / name
-
-    def number(self, line: str) -> int:
-        return self._lines.index(line)
-
-    def value(self, line: str) -> int:
-        return int(self._attribute(line, "value").read_text())
-
-    def pull(self, line: str, level: int) -> None:
-        """Moves an input, with an edge if that is a change."""
-        self._attribute(line, "pull").write_text("pull-up" if level else "pull-down")
-
-
-class KeepingChip:
-    """A chip in front of one line of a GpioSim (gpio-aggregator). As those of most processors, it
-    keeps its last level when the process that had the line is gone."""
-
-    DRIVER = Path("/sys/bus/platform/drivers/gpio-aggregator")
-
-    def __init__(self, behind: GpioSim, line: str) -> None:
-        before = set(self.DRIVER.glob("gpio-aggregator.*"))
-        (self.DRIVER / "new_device").write_text(f"{behind.label} {behind.number(line)}")
-        (self._folder,) = set(self.DRIVER.glob("gpio-aggregator.*")) - before
-        (chip,) = self._folder.glob("gpiochip*")
-        self.device = f"/dev/{chip.name}"
-        until(self.device, lambda: Path(self.device).exists())
-
-    def remove(self) -> None:
-        (self.DRIVER / "delete_device").write_text(self._folder.name)
+Start = Callable[..., "Light"]
 
 
 class Light:
@@ -125,6 +67,23 @@ class Light:
             self.process.kill()
             self.process.wait(PATIENCE_S)
             raise
+
+    @classmethod
+    @contextlib.contextmanager
+    def starter(cls, binary: Path, folder: Path) -> Iterator[Start]:
+        """Starts lights, each in a folder of its own, and ends them."""
+        with contextlib.ExitStack() as stack:
+            count = 0
+
+            def begin(*options: str) -> Light:
+                nonlocal count
+                count += 1
+                (folder / str(count)).mkdir()
+                light = cls(binary, folder / str(count), *options)
+                stack.callback(light.close)
+                return light
+
+            yield begin
 
     def _connect(self, path: Path) -> ControlClient | None:
         assert self.process.poll() is None, self.errors()
@@ -151,16 +110,20 @@ class Light:
         self.process.stdin.write("".join(f"{line}\n" for line in lines).encode())
         self.process.stdin.flush()
 
-    def status(self) -> str:
-        """The line on the lamp's driver in what `light status` says now."""
+    def ask(self, command: str, pattern: str) -> str:
+        """The line that matches in what the shell answers to a command."""
         seen = len(self.console())
-        self.shell("light status")
+        self.shell(command)
 
         def line() -> str:
-            found = re.search(r"^driver .*$(?=\n)", self.console()[seen:], re.MULTILINE)
+            found = re.search(f"^{pattern}$(?=\n)", self.console()[seen:], re.MULTILINE)
             return found[0] if found else ""
 
-        return str(until("the status", line))
+        return str(until(command, line))
+
+    def status(self) -> str:
+        """The line on the lamp's driver in what `light status` says now."""
+        return self.ask("light status", "driver .*")
 
     def signal(self, number: signal.Signals) -> int:
         """Its exit status then; -number: it was killed by that signal."""

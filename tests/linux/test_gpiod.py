@@ -13,11 +13,11 @@ from pathlib import Path
 import gpiod
 import pytest
 
-from guest_light import PATIENCE_S, GpioSim, KeepingChip, Light, pass_time, until
+from guest_gpio import GpioSim, KeepingChip
+from guest_light import PATIENCE_S, Light, Start, pass_time, until
 
 LINES = ("LAMP", "CAMERA", "SYNC", "BUTTON", "FAULT", "SPARE")
 
-Start = Callable[..., Light]
 Settings = dict[Iterable[int | str] | int | str, gpiod.LineSettings | None]
 
 

@@ -3,9 +3,8 @@
 
 from __future__ import annotations
 
-import os
-import socket
-import struct
+import contextlib
+import signal
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,21 +13,28 @@ import can
 import pytest
 
 from echo_light import Light, Peer
-from guest_light import until
-
-ROOT = Path(__file__).resolve().parents[2]
-BUILD = Path(os.environ.get("PHAROS_BUILD", ROOT / "build" / "native")).resolve()
+from guest_can import (
+    CRTL_ACTIVE,
+    ERR_BUSOFF,
+    ERR_CRTL,
+    ERR_RESTARTED,
+    RX_PASSIVE,
+    TX_WARNING,
+    HeldQueue,
+    add_vcan,
+    error_frame,
+    link,
+    vcan,
+)
+from guest_light import BUILD, until
 
 # Zephyr's numbers of modes, of frame flags and of states.
 FD = 4
 IDE, FDF, BRS = 1, 4, 8
 ACTIVE, WARNING, PASSIVE, BUS_OFF = range(4)
 ENETUNREACH = 101
-
-# linux/can.h and linux/can/error.h
-ERR_FLAG = 0x20000000
-ERR_CRTL, ERR_PROT, ERR_ACK, ERR_BUSOFF, ERR_RESTARTED = 0x4, 0x8, 0x20, 0x40, 0x100
-TX_WARNING, TX_PASSIVE, RX_PASSIVE, CRTL_ACTIVE = 0x08, 0x20, 0x10, 0x40
+# Far more frames than the kernel keeps for a socket (net.core.rmem_max).
+FLOOD = 5000
 
 
 class Node:
@@ -95,17 +101,6 @@ def listeners(interface: str) -> int:
     return sum(1 for line in text.splitlines() if line.split()[:1] == [interface])
 
 
-def link(*words: str) -> None:
-    subprocess.run(["ip", "link", *words], check=True)
-
-
-def error_frame(interface: str, kind: int, data: bytes = b"") -> None:
-    """As a controller's driver would report it."""
-    with socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as raw:
-        raw.bind((interface,))
-        raw.send(struct.pack("=IB3x8s", ERR_FLAG | kind, 8, data))
-
-
 @pytest.mark.parametrize("fd", [False, True])
 @pytest.mark.parametrize("extended", [False, True])
 def test_every_length_there_and_back(node: Node, bus: can.BusABC, extended: bool, fd: bool) -> None:
@@ -137,17 +132,11 @@ def test_what_candump_sees(node: Node, vcan0: str) -> None:
 
 
 def test_an_interface_without_fd_refuses_fd_frames_and_goes_on(tmp_path: Path) -> None:
-    link("add", "dev", "vcan7", "type", "vcan")
-    link("set", "vcan7", "mtu", "16", "up")
-    node = Node(tmp_path, "vcan7")
-    try:
+    with vcan("vcan7", mtu="16") as classic, contextlib.closing(Node(tmp_path, classic)) as node:
         node.command(f"send 10 {FDF} 9 1")
         node.until_said("sent", ["10", "-5"])
         node.command("send 11 0 8 1")
         node.until_said("sent", ["11", "0"])
-    finally:
-        node.close()
-        link("del", "vcan7")
 
 
 def test_interface_down_and_up(node: Node, bus: can.BusABC, vcan0: str) -> None:
@@ -168,8 +157,7 @@ def test_interface_down_and_up(node: Node, bus: can.BusABC, vcan0: str) -> None:
 def test_interface_vanishes_and_comes_back(node: Node, vcan0: str) -> None:
     link("del", vcan0)
     until("an error", lambda: node.count("errors") >= 1)
-    link("add", "dev", vcan0, "type", "vcan")
-    link("set", vcan0, "mtu", "72", "up")
+    add_vcan(vcan0)
     until("it is back", lambda: node.count("reconnects") == 1)
     node.command("send 21 0 0 1")
     node.until_said("sent", ["21", "0"])
@@ -177,16 +165,11 @@ def test_interface_vanishes_and_comes_back(node: Node, vcan0: str) -> None:
 
 
 def test_an_interface_that_comes_later(tmp_path: Path) -> None:
-    node = Node(tmp_path, "vcan8")
-    try:
+    with contextlib.closing(Node(tmp_path, "vcan8")) as node:
         until("an error", lambda: node.count("errors") >= 2)
-        link("add", "dev", "vcan8", "type", "vcan")
-        link("set", "vcan8", "up")
-        node.command("send 22 0 0 1")
-        node.until_said("sent", ["22", "0"])
-    finally:
-        node.close()
-        link("del", "vcan8")
+        with vcan("vcan8"):
+            node.command("send 22 0 0 1")
+            node.until_said("sent", ["22", "0"])
 
 
 def test_states_of_the_controller_below(node: Node, vcan0: str) -> None:
@@ -217,3 +200,37 @@ def test_a_burst_is_heard_whole(node: Node, bus: can.BusABC) -> None:
     for number in range(2000):
         bus.send(can.Message(arbitration_id=number, data=bytes(8)))
     until("all frames", lambda: node.count("rx_frames") == 2000)
+
+
+# A frame takes CAN_MTU or CANFD_MTU bytes of the queue.
+@pytest.mark.parametrize(
+    ("flags", "dlc", "size"), [(0, 8, 16), (FDF | BRS, 15, 72)], ids=["classic", "fd"]
+)
+def test_full_send_queue_is_counted_and_every_frame_goes_in_order(
+    node: Node, bus: can.BusABC, vcan0: str, flags: int, dlc: int, size: int
+) -> None:
+    queue = HeldQueue(vcan0, 10 * size)
+    node.command(f"send 40 {flags} {dlc} 30")
+    until("a refusal by the full queue", lambda: node.count("tx_retries") > 0)
+    assert node.count("tx_frames") == 10
+    queue.release()
+    ids = range(0x40, 0x40 + 30)
+    assert [receive(bus).arbitration_id for _ in ids] == list(ids)
+    until("all sent", lambda: node.said("sent") == [[f"{i:x}", "0"] for i in ids])
+    assert node.count("errors") == 0
+
+
+def test_full_receive_queue_is_counted(node: Node, vcan0: str) -> None:
+    node.command("quiet 1")
+    until("quiet", lambda: len(node.said("done")) == 2)
+    before = node.count("rx_frames")
+    node.light.process.send_signal(signal.SIGSTOP)
+    try:
+        with can.Bus(interface="socketcan", channel=vcan0) as bus:
+            for number in range(FLOOD):
+                bus.send(can.Message(arbitration_id=number % 0x7FF, data=bytes(8)))
+    finally:
+        node.light.process.send_signal(signal.SIGCONT)
+    until("the rest", lambda: node.count("rx_frames") - before + node.count("rx_drops") == FLOOD)
+    assert node.count("rx_drops") > 0
+    assert node.count("rx_frames") > before
