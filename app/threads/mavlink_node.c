@@ -24,6 +24,7 @@ void mavlink_node_init(struct command *command)
 	const int32_t system_id = command->params.values[PARAM_MAV_SYSID];
 	struct mavlink_endpoint_config config = {
 		.system_id = (uint8_t)(system_id != 0 ? system_id : SYSTEM_ID_FALLBACK),
+		.adopt = system_id == 0,
 		.links = (uint8_t)link_mask(),
 	};
 	char text[IDENTITY_BOOT_TEXT_MAX];

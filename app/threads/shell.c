@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The device's own shell commands: light, thermal, link, param, reset, version.
+ * The device's own shell commands: light, thermal, link, reset, version.
  *
  * A command's function runs in the shell's thread; what touches the light runs in the command
  * thread through command_call(). Numbers are read and printed without floating point.

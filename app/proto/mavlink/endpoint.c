@@ -2,6 +2,7 @@
 #include "proto/mavlink/endpoint.h"
 
 #include "core/assert.h"
+#include "proto/mavlink/dialect.h"
 #include "proto/mavlink/internal.h"
 
 #include <string.h>
@@ -15,6 +16,7 @@ void mavlink_endpoint_init(struct mavlink_endpoint *self,
 	self->config = *config;
 	self->due_us = TIME_NEVER_US;
 	mavlink_texts_init(&self->texts);
+	mavlink_vehicle_init(&self->vehicle, config->adopt);
 }
 
 static struct mavlink_component *component_find(struct mavlink_endpoint *self, uint8_t id)
@@ -166,6 +168,39 @@ static int64_t services_due_us(const struct mavlink_endpoint *self)
 	return due_us;
 }
 
+static size_t append_number(char *text, size_t length, uint8_t number)
+{
+	for (uint8_t unit = 100; unit > 0; unit /= 10) {
+		if (number >= unit || unit == 1) {
+			text[length++] = (char)('0' + number / unit % 10);
+		}
+	}
+	return length;
+}
+
+/* The system id is the vehicle's, or it is not, and people should know why. */
+static void step_vehicle(struct mavlink_endpoint *self, int64_t now_us)
+{
+	static const char adopted[] = "System id is now the vehicle's: ";
+	static const char several[] = "Several vehicles heard, system id stays ";
+	char text[MAVLINK_TEXT_BYTES] = {0};
+
+	_Static_assert(sizeof(several) + sizeof("255") <= sizeof(text), "the texts fit");
+	if (!mavlink_vehicle_decide(&self->vehicle, now_us)) {
+		return;
+	}
+	if (self->vehicle.state == MAVLINK_VEHICLE_SEVERAL) {
+		memcpy(text, several, sizeof(several));
+		(void)append_number(text, sizeof(several) - 1, self->config.system_id);
+		(void)mavlink_endpoint_text(self, now_us, MAV_SEVERITY_WARNING, text);
+	} else if (self->vehicle.system != self->config.system_id) {
+		mavlink_endpoint_set_system_id(self, self->vehicle.system);
+		memcpy(text, adopted, sizeof(adopted));
+		(void)append_number(text, sizeof(adopted) - 1, self->config.system_id);
+		(void)mavlink_endpoint_text(self, now_us, MAV_SEVERITY_INFO, text);
+	}
+}
+
 void mavlink_endpoint_step(struct mavlink_endpoint *self, int64_t now_us,
                            struct mavlink_outbox *out)
 {
@@ -173,6 +208,8 @@ void mavlink_endpoint_step(struct mavlink_endpoint *self, int64_t now_us,
 	if (now_us < mavlink_endpoint_deadline_us(self)) {
 		return;
 	}
+
+	step_vehicle(self, now_us);
 
 	struct mavlink_context context = {.endpoint = self, .out = out, .now_us = now_us};
 
@@ -185,8 +222,10 @@ void mavlink_endpoint_step(struct mavlink_endpoint *self, int64_t now_us,
 int64_t mavlink_endpoint_deadline_us(const struct mavlink_endpoint *self)
 {
 	const int64_t services_us = services_due_us(self);
+	const int64_t vehicle_us = mavlink_vehicle_deadline_us(&self->vehicle);
+	const int64_t due_us = services_us < self->due_us ? services_us : self->due_us;
 
-	return services_us < self->due_us ? services_us : self->due_us;
+	return vehicle_us < due_us ? vehicle_us : due_us;
 }
 
 void mavlink_endpoint_observe(struct mavlink_endpoint *self, int64_t now_us,

@@ -28,6 +28,7 @@
 
 #include "proto/mavlink/frame.h"
 #include "proto/mavlink/outbox.h"
+#include "proto/mavlink/vehicle.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -164,9 +165,13 @@ struct mavlink_texts {
 	uint32_t dropped;
 };
 
-/* system_id 1…255. links: bit per link that is up. rates: bytes a second that a link carries. */
+/*
+ * system_id 1…255. adopt: until a vehicle's is adopted. links: bit per link that is up. rates:
+ * bytes a second that a link carries.
+ */
 struct mavlink_endpoint_config {
 	uint8_t system_id;
+	bool adopt;
 	uint8_t links;
 	uint32_t rates[MAVLINK_LINKS_MAX]; /* 0: MAVLINK_RATE_DEFAULT */
 };
@@ -179,6 +184,7 @@ struct mavlink_endpoint {
 	struct mavlink_component components[MAVLINK_COMPONENTS_MAX];
 	struct mavlink_link links[MAVLINK_LINKS_MAX];
 	struct mavlink_texts texts;
+	struct mavlink_vehicle vehicle;
 };
 
 /* config asserted. No component yet, so nothing is due. */

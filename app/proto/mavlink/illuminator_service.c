@@ -336,6 +336,15 @@ static void heartbeat(const struct mavlink_context *context, const struct mavlin
 	mavlink_heartbeat_t wire;
 
 	mavlink_frame_payload(frame, &wire, sizeof(wire));
+
+	const struct mavlink_vehicle_heartbeat said = {
+		.system = frame->system_id,
+		.component = frame->component_id,
+		.type = wire.type,
+		.autopilot = wire.autopilot,
+	};
+
+	mavlink_vehicle_heard(&context->endpoint->vehicle, context->now_us, &said);
 	if (wire.type == MAV_TYPE_GCS || wire.autopilot != MAV_AUTOPILOT_INVALID) {
 		arbiter_heard(self->arbiter, context->now_us, ARBITER_SOURCE_MAVLINK);
 	}
