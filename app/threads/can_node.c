@@ -14,6 +14,7 @@
 #include "threads/can_link.h"
 #include "threads/clock.h"
 #include "threads/devices.h"
+#include "threads/firmware.h"
 #include "threads/identity.h"
 #include "threads/mavlink_node.h"
 #include "threads/storage.h"
@@ -47,8 +48,9 @@ static struct dronecan_outbox out;
 static struct tunnel tunnels[TUNNEL_LINKS_MAX];
 static struct can_node_stats stats;
 static int64_t log_us;
-static bool to_send;        /* there may be frames to send */
-static uint32_t tunnels_up; /* how many; none: nothing to look after */
+static bool to_send;         /* there may be frames to send */
+static bool update_complete; /* the block that is being stored is the last */
+static uint32_t tunnels_up;  /* how many; none: nothing to look after */
 
 /* --- configuration ---------------------------------------------------------------------------- */
 
@@ -176,6 +178,7 @@ void can_node_init(struct command *command)
 		.lights = lights_config(&command->params),
 		.node_id = (uint8_t)values[PARAM_CAN_NODE_ID],
 		.fd = can_link_has_fd(),
+		.no_update = firmware_unavailable(),
 	};
 	read_unique_id(config.node.unique_id);
 	config.seed = seed_of(config.node.unique_id);
@@ -312,6 +315,47 @@ void can_node_log(const char *text)
 	                        text);
 }
 
+/* --- firmware update -------------------------------------------------------------------------- */
+
+/* The image's next block, or the end. */
+static void update_done(struct command *command, const char *failure)
+{
+	const int64_t now_us = clock_now_us();
+
+	to_send = true;
+	if (failure != NULL) {
+		dronecan_firmware_stop(&endpoint.firmware);
+		can_node_log(failure);
+	} else if (update_complete) {
+		dronecan_firmware_stop(&endpoint.firmware);
+		dronecan_node_restart(&endpoint.node, now_us);
+	} else {
+		dronecan_firmware_next(&endpoint.firmware, now_us);
+	}
+	can_node_report(&command->illuminator);
+}
+
+static void perform_update(void)
+{
+	switch (out.firmware.event) {
+	case DRONECAN_FIRMWARE_NOTHING:
+		break;
+	case DRONECAN_FIRMWARE_BEGIN:
+		update_complete = false;
+		firmware_begin(update_done);
+		break;
+	case DRONECAN_FIRMWARE_BLOCK:
+		update_complete = out.firmware.is_last;
+		firmware_write(out.firmware.data, out.firmware.size, out.firmware.is_last);
+		break;
+	case DRONECAN_FIRMWARE_FAILED:
+		firmware_abort(out.firmware.error == 0 ? "the file server is silent"
+		                                       : "the file server reports an error");
+		can_node_log("update failed: file server");
+		break;
+	}
+}
+
 /* --- tunnels ---------------------------------------------------------------------------------- */
 
 static void take_frames(struct command *command, uint8_t channel)
@@ -414,6 +458,7 @@ static void perform(struct command *command)
 {
 	perform_node(command);
 	perform_lights(command);
+	perform_update();
 	perform_tunnel(command);
 }
 

@@ -7,6 +7,10 @@
 #include <zephyr/logging/log.h>
 #include <zephyr/sys/util.h>
 
+#ifdef CONFIG_PHAROS_FIRMWARE_UPDATE
+#include <zephyr/storage/flash_map.h>
+#endif
+
 LOG_MODULE_REGISTER(devices);
 
 #ifdef CONFIG_CAN
@@ -33,6 +37,18 @@ const struct devices devices = {
 	.button = GPIO_DT_SPEC_GET_OR(DT_ALIAS(button0), gpios, {0}),
 	.driver_fault = GPIO_DT_SPEC_GET_OR(DT_ALIAS(driver_fault), gpios, {0}),
 };
+
+#ifdef CONFIG_PHAROS_FIRMWARE_UPDATE
+uint8_t devices_update_slot(void)
+{
+	return FIXED_PARTITION_ID(slot1_partition);
+}
+
+uint32_t devices_update_slot_size(void)
+{
+	return FIXED_PARTITION_SIZE(slot1_partition);
+}
+#endif
 
 static int device_check(const struct device *device)
 {

@@ -26,6 +26,12 @@ struct devices {
 
 extern const struct devices devices;
 
+#ifdef CONFIG_PHAROS_FIRMWARE_UPDATE
+/* The flash area for a new image, and its bytes. */
+uint8_t devices_update_slot(void);
+uint32_t devices_update_slot_size(void);
+#endif
+
 /* 0, or -ENODEV after logging each device that the board has but that failed to start. */
 int devices_check(void);
 

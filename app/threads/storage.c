@@ -9,6 +9,8 @@
 #include <zephyr/settings/settings.h>
 #include <zephyr/sys/printk.h>
 
+#include "threads/firmware.h"
+
 LOG_MODULE_REGISTER(storage);
 
 #define SUBTREE         "pharos"
@@ -192,12 +194,18 @@ static void write_light(void)
 	}
 }
 
+void storage_wake(void)
+{
+	k_sem_give(&requested);
+}
+
 void storage_run(void *p1, void *p2, void *p3)
 {
 	for (;;) {
 		k_sem_take(&requested, K_FOREVER);
 		while (write_param()) {
 		}
+		firmware_store();
 		if (pending.light) {
 			k_msleep(LIGHT_SETTLE_MS);
 			write_light();

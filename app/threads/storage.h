@@ -35,6 +35,9 @@ void storage_save_light(const struct illuminator_settings *light);
 /* Any thread. */
 struct storage_stats storage_stats_get(void);
 
+/* There is something to store besides. Any context. */
+void storage_wake(void);
+
 /* Thread entry. */
 void storage_run(void *, void *, void *);
 

@@ -7,6 +7,7 @@
 #include <zephyr/sys/atomic.h>
 
 #include "threads/devices.h"
+#include "threads/firmware.h"
 #include "threads/reset_cause.h"
 
 LOG_MODULE_REGISTER(supervisor);
@@ -71,9 +72,15 @@ static bool all_report(void)
 
 void supervisor_run(void *p1, void *p2, void *p3)
 {
+	bool has_confirmed = false;
+
 	for (;;) {
 		if (all_report()) {
 			wdt_feed(devices.watchdog, watchdog_channel);
+			if (!has_confirmed && k_uptime_get_32() >= SUPERVISOR_CONFIRM_MS) {
+				has_confirmed = true;
+				firmware_confirm();
+			}
 		}
 		k_msleep(SUPERVISOR_PERIOD_MS);
 	}

@@ -27,6 +27,9 @@ enum supervisor_watch {
 #define SUPERVISOR_WATCHDOG_MS 1000
 #define SUPERVISOR_PERIOD_MS   250
 
+/* Firmware whose threads have all reported in for so long works. */
+#define SUPERVISOR_CONFIRM_MS 10000
+
 _Static_assert(2 * SUPERVISOR_REPORT_MS <= SUPERVISOR_LIMIT_MS, "one late report is no stall");
 _Static_assert(2 * SUPERVISOR_PERIOD_MS <= SUPERVISOR_WATCHDOG_MS, "one late feed is no bite");
 

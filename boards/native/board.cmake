@@ -7,6 +7,7 @@
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(JANSSON REQUIRED IMPORTED_TARGET jansson)
+pkg_check_modules(NETTLE REQUIRED IMPORTED_TARGET nettle)
 
 set(PHAROS_SANITIZE "" CACHE STRING "Sanitizers, as -fsanitize= takes them; empty for none")
 option(PHAROS_FUZZ "Build the libFuzzer harnesses (clang only)" OFF)
@@ -89,7 +90,7 @@ endfunction()
 
 # --- the board --------------------------------------------------------------------------------
 add_library(native_board OBJECT)
-target_link_libraries(native_board PUBLIC zephyr_interface PkgConfig::JANSSON m)
+target_link_libraries(native_board PUBLIC zephyr_interface PkgConfig::JANSSON PkgConfig::NETTLE m)
 target_include_directories(native_board PRIVATE ${NATIVE_DIR})
 add_subdirectory(${NATIVE_DIR}/kernel)
 add_subdirectory(${NATIVE_DIR}/subsys)

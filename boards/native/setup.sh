@@ -6,7 +6,7 @@
 set -eu
 cd "$(dirname "$0")/../.."
 
-BUILD="gcc libc6-dev cmake ninja-build pkg-config libjansson-dev libgpiod-dev python3 python3-venv"
+BUILD="gcc libc6-dev cmake ninja-build pkg-config libjansson-dev nettle-dev libgpiod-dev python3 python3-venv"
 TEST="$BUILD clang libclang-rt-14-dev clang-format binutils shellcheck gcc-arm-none-eabi
       libnewlib-arm-none-eabi linux-source-6.12 flex bison bc make xz-utils can-utils gpiod
       iproute2"

@@ -18,8 +18,8 @@
 
 /* Ids with everything but the source: priority 20, to node 68 where it is a service. */
 static const uint32_t known_ids[] = {
-	0x1401C480, 0x1404C480, 0x1405C480, 0x140AC480, 0x140BC480, 0x14000100,
-	0x14043900, 0x14042E00, 0x1403F200, 0x100BB900, 0x1428C480, 0x14015500,
+	0x1401C480, 0x1404C480, 0x1405C480, 0x140AC480, 0x140BC480, 0x14000100, 0x14043900,
+	0x14042E00, 0x1403F200, 0x100BB900, 0x1428C480, 0x14015500, 0x14304480,
 };
 
 static const struct {
@@ -31,6 +31,8 @@ static const struct {
 	{&dronecan_restart_node_type, DRONECAN_REQUEST},
 	{&dronecan_param_execute_opcode_type, DRONECAN_REQUEST},
 	{&dronecan_param_get_set_type, DRONECAN_REQUEST},
+	{&dronecan_file_begin_firmware_update_type, DRONECAN_REQUEST},
+	{&dronecan_file_read_type, DRONECAN_RESPONSE},
 	{&dronecan_dynamic_node_id_allocation_type, DRONECAN_MESSAGE},
 	{&dronecan_indication_lights_command_type, DRONECAN_MESSAGE},
 	{&dronecan_actuator_array_command_type, DRONECAN_MESSAGE},
@@ -89,6 +91,7 @@ static void transfer_of(struct input *input, uint8_t kind, struct dronecan_trans
 	};
 
 	transfer.target = (transfer.kind == DRONECAN_MESSAGE) ? 0 : NODE;
+	transfer.id = transfer.kind == DRONECAN_RESPONSE ? take(input) & 31u : 0;
 	for (size_t i = 0; i < transfer.size; i++) {
 		data[i] = take(input);
 	}
@@ -147,6 +150,13 @@ static void perform(struct dronecan_endpoint *endpoint, int64_t now_us,
 			require(action->position_ppm <= (int32_t)PPM_ONE &&
 			        action->position_ppm >= -(int32_t)PPM_ONE);
 		}
+	}
+	if (out->firmware.event == DRONECAN_FIRMWARE_BEGIN ||
+	    out->firmware.event == DRONECAN_FIRMWARE_BLOCK) {
+		require(out->firmware.event == DRONECAN_FIRMWARE_BEGIN ||
+		        (out->firmware.size <= 256 &&
+		         out->firmware.is_last == (out->firmware.size < 256)));
+		dronecan_firmware_next(&endpoint->firmware, now_us);
 	}
 	if (out->tunnel_received) {
 		require(out->tunnel.channel < DRONECAN_TUNNEL_CHANNELS);

@@ -10,6 +10,8 @@ static const struct dronecan_subscription subscriptions[] = {
 	{.type = &dronecan_restart_node_type, .kind = DRONECAN_REQUEST},
 	{.type = &dronecan_param_get_set_type, .kind = DRONECAN_REQUEST},
 	{.type = &dronecan_param_execute_opcode_type, .kind = DRONECAN_REQUEST},
+	{.type = &dronecan_file_begin_firmware_update_type, .kind = DRONECAN_REQUEST},
+	{.type = &dronecan_file_read_type, .kind = DRONECAN_RESPONSE},
 	{.type = &dronecan_dynamic_node_id_allocation_type, .kind = DRONECAN_MESSAGE},
 	{.type = &dronecan_indication_lights_command_type, .kind = DRONECAN_MESSAGE},
 	{.type = &dronecan_hardpoint_command_type, .kind = DRONECAN_MESSAGE},
@@ -32,12 +34,14 @@ void dronecan_endpoint_init(struct dronecan_endpoint *self, int64_t now_us,
 	dronecan_node_init(&self->node, now_us, &config->node, &self->transport, params);
 	dronecan_tunnel_init(&self->tunnel);
 	dronecan_lights_init(&self->lights, now_us, &config->lights);
+	dronecan_firmware_init(&self->firmware, &self->node, config->no_update);
 }
 
 static void clear(struct dronecan_outbox *out)
 {
 	out->node.count = 0;
 	out->lights.count = 0;
+	out->firmware.event = DRONECAN_FIRMWARE_NOTHING;
 	out->tunnel_received = false;
 }
 
@@ -57,6 +61,7 @@ void dronecan_endpoint_receive(struct dronecan_endpoint *self, int64_t now_us,
 	}
 	dronecan_node_receive(&self->node, now_us, &transfer, &out->node);
 	dronecan_lights_receive(&self->lights, &transfer, &out->lights);
+	dronecan_firmware_receive(&self->firmware, now_us, &transfer, &out->firmware);
 }
 
 void dronecan_endpoint_report(struct dronecan_endpoint *self, int64_t now_us,
@@ -66,7 +71,9 @@ void dronecan_endpoint_report(struct dronecan_endpoint *self, int64_t now_us,
 	const struct dronecan_node_condition condition = {
 		.health = (thermal->limit_ppm == 0) ? DRONECAN_NODE_STATUS_HEALTH_ERROR
 	                                            : DRONECAN_NODE_STATUS_HEALTH_OK,
-		.mode = DRONECAN_NODE_STATUS_MODE_OPERATIONAL,
+		.mode = self->firmware.state == DRONECAN_FIRMWARE_IDLE
+	                        ? DRONECAN_NODE_STATUS_MODE_OPERATIONAL
+	                        : DRONECAN_NODE_STATUS_MODE_SOFTWARE_UPDATE,
 		.vendor_code = (uint16_t)illuminator_error_flags(illuminator),
 	};
 	const struct dronecan_lights_report report = {
@@ -87,16 +94,23 @@ void dronecan_endpoint_step(struct dronecan_endpoint *self, int64_t now_us,
 	dronecan_node_step(&self->node, now_us, &out->node);
 	dronecan_lights_step(&self->lights, now_us, &self->transport);
 	dronecan_tunnel_step(&self->tunnel, now_us, &self->transport);
+	dronecan_firmware_step(&self->firmware, now_us, &out->firmware);
 }
 
 int64_t dronecan_endpoint_deadline_us(const struct dronecan_endpoint *self)
 {
-	const int64_t node_us = dronecan_node_deadline_us(&self->node);
-	const int64_t tunnel_us = dronecan_tunnel_deadline_us(&self->tunnel);
-	const int64_t lights_us = dronecan_lights_deadline_us(&self->lights);
-	const int64_t earlier_us = (node_us < tunnel_us) ? node_us : tunnel_us;
+	const int64_t all_us[] = {
+		dronecan_node_deadline_us(&self->node),
+		dronecan_tunnel_deadline_us(&self->tunnel),
+		dronecan_lights_deadline_us(&self->lights),
+		dronecan_firmware_deadline_us(&self->firmware),
+	};
+	int64_t first_us = TIME_NEVER_US;
 
-	return (lights_us < earlier_us) ? lights_us : earlier_us;
+	for (size_t i = 0; i < sizeof(all_us) / sizeof(all_us[0]); i++) {
+		first_us = all_us[i] < first_us ? all_us[i] : first_us;
+	}
+	return first_us;
 }
 
 bool dronecan_endpoint_next_frame(struct dronecan_endpoint *self, int64_t now_us,

@@ -12,6 +12,7 @@
 #define PHAROS_PROTO_DRONECAN_ENDPOINT_H
 
 #include "core/illuminator.h"
+#include "proto/dronecan/firmware.h"
 #include "proto/dronecan/lights.h"
 #include "proto/dronecan/node.h"
 #include "proto/dronecan/transport.h"
@@ -27,12 +28,15 @@ struct dronecan_endpoint_config {
 	uint8_t node_id;
 	bool fd;
 	uint32_t seed;
+	const char
+		*no_update; /* why there is no firmware update, at most 127 bytes; NULL: there is */
 };
 
 /* tunnel_received: tunnel is set, its data holds until the next _receive(). */
 struct dronecan_outbox {
 	struct dronecan_node_outbox node;
 	struct dronecan_lights_outbox lights;
+	struct dronecan_firmware_outbox firmware;
 	bool tunnel_received;
 	struct dronecan_tunnel_received tunnel;
 };
@@ -42,6 +46,7 @@ struct dronecan_endpoint {
 	struct dronecan_node node;
 	struct dronecan_tunnel tunnel;
 	struct dronecan_lights lights;
+	struct dronecan_firmware firmware;
 	struct dronecan_tunnel_targetted scratch;
 };
 
@@ -55,7 +60,7 @@ void dronecan_endpoint_receive(struct dronecan_endpoint *self, int64_t now_us,
 /*
  * What the lamp is like now: becomes NodeStatus, hardpoint.Status and Temperature. The first call
  * makes the node OPERATIONAL. Health is ERROR while heat or a failed sensor allow no light at all;
- * the vendor specific code is ILLUMINATOR_ERROR_FLAGS.
+ * the vendor specific code is ILLUMINATOR_ERROR_FLAGS. Mode SOFTWARE_UPDATE while an image is read.
  */
 void dronecan_endpoint_report(struct dronecan_endpoint *self, int64_t now_us,
                               const struct illuminator *illuminator);

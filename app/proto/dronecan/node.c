@@ -167,6 +167,13 @@ static void get_transport_stats(struct dronecan_node *self, int64_t now_us,
 	}
 }
 
+void dronecan_node_restart(struct dronecan_node *self, int64_t now_us)
+{
+	if (self->restart_us == TIME_NEVER_US) {
+		self->restart_us = now_us + RESTART_DELAY_US;
+	}
+}
+
 static void restart_node(struct dronecan_node *self, int64_t now_us,
                          const struct dronecan_transfer *request)
 {
@@ -185,9 +192,8 @@ static void restart_node(struct dronecan_node *self, int64_t now_us,
 		return;
 	}
 	/* Without an answer nothing happens: the asker will ask again. */
-	if (dronecan_node_respond(self, now_us, request, data, size) && response.ok &&
-	    self->restart_us == TIME_NEVER_US) {
-		self->restart_us = now_us + RESTART_DELAY_US;
+	if (dronecan_node_respond(self, now_us, request, data, size) && response.ok) {
+		dronecan_node_restart(self, now_us);
 	}
 }
 

@@ -107,6 +107,9 @@ void dronecan_node_step(struct dronecan_node *self, int64_t now_us,
                         struct dronecan_node_outbox *out);
 int64_t dronecan_node_deadline_us(const struct dronecan_node *self);
 
+/* RESTART comes in an outbox soon, after what is queued has had time to leave. */
+void dronecan_node_restart(struct dronecan_node *self, int64_t now_us);
+
 /*
  * level: DRONECAN_DEBUG_LOG_LEVEL_…. source and text are cut to 31 and 90 bytes. False: anonymous
  * or no room. The caller limits the rate.

@@ -177,6 +177,10 @@ bool dronecan_transport_receive(struct dronecan_transport *self, int64_t now_us,
 bool dronecan_transport_send(struct dronecan_transport *self, int64_t now_us,
                              const struct dronecan_transfer *transfer);
 
+/* The transfer id that the last message of the type, or request of the type to target, carries. */
+uint8_t dronecan_transport_last_id(const struct dronecan_transport *self,
+                                   const struct dronecan_type *type, uint8_t target);
+
 /* Transfers that could be queued now. */
 size_t dronecan_transport_room(const struct dronecan_transport *self);
 

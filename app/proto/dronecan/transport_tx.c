@@ -119,6 +119,17 @@ static uint8_t next_transfer_id(struct dronecan_transport *self, const struct dr
 	return id;
 }
 
+uint8_t dronecan_transport_last_id(const struct dronecan_transport *self,
+                                   const struct dronecan_type *type, uint8_t target)
+{
+	for (size_t i = 0; i < DRONECAN_TX_COUNTERS; i++) {
+		if (self->counters[i].type == type && self->counters[i].target == target) {
+			return (self->counters[i].next - 1u) & DRONECAN_TRANSFER_ID_MASK;
+		}
+	}
+	return DRONECAN_TRANSFER_ID_MASK;
+}
+
 static uint32_t frame_id(struct dronecan_transport *self, const struct dronecan_transfer *transfer)
 {
 	const uint32_t id = ((uint32_t)transfer->priority << 24) | self->node_id;
