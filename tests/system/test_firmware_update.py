@@ -137,7 +137,7 @@ def test_mode_is_software_update_meanwhile_and_the_lamp_obeys(light: Bench) -> N
     assert light.sim.outputs()["level_ppm"] == 0, "off after the reset"
 
 
-# --- what is refused --------------------------------------------------------------------------------
+# --- what is refused ----------------------------------------------------------------------------
 def spoil(image: bytes, at: int) -> bytes:
     return image[:at] + bytes([image[at] ^ 1]) + image[at + 1 :]
 
@@ -204,7 +204,7 @@ def test_without_a_path_it_is_refused(light: Bench) -> None:
     assert "idle" in light.firmware()
 
 
-# --- what goes wrong on the way -----------------------------------------------------------------------
+# --- what goes wrong on the way ---------------------------------------------------------------
 def test_a_silent_server_is_asked_ten_times_then_given_up(light: Bench) -> None:
     request = Update.Request(source_node_id=99)  # nobody
     request.image_file_remote_path.path = "new.bin"
