@@ -19,10 +19,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from dronecan import uavcan
 from prompt_toolkit.completion import CompleteEvent
 from prompt_toolkit.document import Document
 
 from pharos.cli import main
+from pharos.cli.can import Seen
 from pharos.cli.prompt import CommandCompleter
 from pharos.dialect import MODULE, generated_dialect, load_dialect
 from real_light import PATIENCE_S, PHAROS, RealLight, environment, run
@@ -144,6 +146,17 @@ def test_nodes_lists_the_light(
     node = json.loads(capsys.readouterr().out)
     assert (node["node"], node["name"], node["health"]) == (68, "org.pharos.light", "ok")
     assert len(node["unique_id"]) == 32
+
+
+@pytest.mark.parametrize(
+    ("flags", "told"), [(0, "software 1.2, "), (1, "software 1.2 (0badcafe), ")]
+)
+def test_commit_of_a_node_is_shown_if_it_tells_one(flags: int, told: str) -> None:
+    info = uavcan.protocol.GetNodeInfo.Response()
+    info.software_version.major, info.software_version.minor = 1, 2
+    info.software_version.optional_field_flags = flags
+    info.software_version.vcs_commit = 0x0BADCAFE
+    assert told in str(Seen(5, uavcan.protocol.NodeStatus(), info))
 
 
 def test_monitor_shows_decoded_transfers(

@@ -135,20 +135,21 @@ class Seen:
         if info is None:
             return fields | {"name": None}
         software, hardware = info.software_version, info.hardware_version
+        has_commit = software.optional_field_flags & software.OPTIONAL_FIELD_FLAG_VCS_COMMIT
         return fields | {
             "name": str(info.name),
             "software": f"{software.major}.{software.minor}",
+            "commit": f"{software.vcs_commit:08x}" if has_commit else None,
             "hardware": f"{hardware.major}.{hardware.minor}",
             "unique_id": bytes(list(hardware.unique_id)).hex(),
         }
 
     def __str__(self) -> str:
         fields = self.as_fields()
-        versions = (
-            f"software {fields['software']}, hardware {fields['hardware']}"
-            if (self.info is not None)
-            else "no answer to GetNodeInfo"
-        )
+        versions = "no answer to GetNodeInfo"
+        if self.info is not None:
+            commit = f" ({fields['commit']})" if fields["commit"] else ""
+            versions = f"software {fields['software']}{commit}, hardware {fields['hardware']}"
         code = f", code {fields['vendor_code']}" if fields["vendor_code"] else ""
         return (
             f"{self.node:>3}  {fields['name'] or '?':<28} {fields['health']}, {fields['mode']}"
