@@ -89,6 +89,22 @@
 	X(MAV_COMPID, MAVLINK, "", 1, 255, CONFIG_PHAROS_MAVLINK_COMPONENT_ID, PARAM_FLAG_REBOOT,  \
 	  "MAVLink component id")
 
+#ifdef CONFIG_PHAROS_SIGNING
+#define PARAMS_SIGNING(X)                                                                          \
+	X(MAV_SECURE, MAVLINK, "", 0, 255, CONFIG_PHAROS_SECURE_LINKS, 0,                          \
+	  "Links that may set the key: sum of 1 for the first UART, 2, 4 …, tunnels last")
+#else
+#define PARAMS_SIGNING(X)
+#endif
+
+#ifdef CONFIG_PHAROS_ROUTING
+#define PARAMS_ROUTING(X)                                                                          \
+	X(MAV_ROUTE, MAVLINK, "", 0, 1, CONFIG_PHAROS_ROUTE, 0,                                    \
+	  "Forward MAVLink between links: 0 no, 1 yes")
+#else
+#define PARAMS_ROUTING(X)
+#endif
+
 /* CAN and DroneCAN. */
 #define PARAMS_DRONECAN(X)                                                                         \
 	X(CAN_NODE_ID, DRONECAN, "", 0, 125, CONFIG_PHAROS_CAN_NODE_ID, PARAM_FLAG_REBOOT,         \
@@ -129,6 +145,8 @@
 #define PARAMS_TABLE(X)                                                                            \
 	PARAMS_LIGHT(X)                                                                            \
 	PARAMS_ARBITER(X)                                                                          \
-	PARAMS_THERMAL(X) PARAMS_SYNC(X) PARAMS_MAVLINK(X) PARAMS_DRONECAN(X) PARAMS_IMC(X)
+	PARAMS_THERMAL(X)                                                                          \
+	PARAMS_SYNC(X)                                                                             \
+	PARAMS_MAVLINK(X) PARAMS_SIGNING(X) PARAMS_ROUTING(X) PARAMS_DRONECAN(X) PARAMS_IMC(X)
 
 #endif

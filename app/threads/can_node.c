@@ -32,6 +32,10 @@ LOG_MODULE_REGISTER(can_node);
 #define ANONYMOUS_MASK  0x000003FFu
 #define ANONYMOUS_TYPES 3u
 
+/* Bytes that wait in a tunnel, up to which others' frames go there. */
+#define TUNNEL_FORWARD_MAX (DRONECAN_TUNNEL_BUFFER / 2)
+
+_Static_assert(TUNNEL_FORWARD_MAX >= MAVLINK_FRAME_MAX, "a forwarded frame fits");
 _Static_assert(TUNNEL_LINKS_MAX == DRONECAN_TUNNEL_CHANNELS, "a link for each channel");
 
 struct tunnel {
@@ -363,6 +367,7 @@ static void take_frames(struct command *command, uint8_t channel)
 	struct tunnel *const tunnel = &tunnels[channel];
 	struct mavlink_frame frame;
 
+	tunnel->framer.opaque = link_is_opaque();
 	while (mavlink_framer_next(&tunnel->framer, &frame)) {
 		tunnel->stats.rx_frames++;
 		mavlink_node_take(command, TUNNEL_LINK0 + channel, frame.bytes, frame.length);
@@ -437,6 +442,26 @@ int can_node_tunnel_send(uint8_t channel, const uint8_t *frame, size_t length)
 		return -ENOBUFS;
 	}
 	to_send = true;
+	its->tx_frames++;
+	its->tx_bytes += (uint32_t)length;
+	return 0;
+}
+
+int can_node_tunnel_forward(uint8_t channel, const uint8_t *frame, size_t length)
+{
+	struct link_stats *const its = &tunnels[channel].stats;
+	const int64_t now_us = clock_now_us();
+
+	if (!active || !dronecan_tunnel_is_open(&endpoint.tunnel, now_us, channel)) {
+		return 0;
+	}
+	if (dronecan_tunnel_waiting(&endpoint.tunnel, channel) + length > TUNNEL_FORWARD_MAX ||
+	    !dronecan_tunnel_write(&endpoint.tunnel, now_us, channel, frame, length)) {
+		its->forward_dropped++;
+		return -ENOBUFS;
+	}
+	to_send = true;
+	its->forwarded++;
 	its->tx_frames++;
 	its->tx_bytes += (uint32_t)length;
 	return 0;

@@ -57,6 +57,7 @@ void can_node_log(const char *text);
 
 /* As link_send() and link_stats_get() of the link TUNNEL_LINK0 + channel. */
 int can_node_tunnel_send(uint8_t channel, const uint8_t *frame, size_t length);
+int can_node_tunnel_forward(uint8_t channel, const uint8_t *frame, size_t length);
 int can_node_tunnel_stats(uint8_t channel, struct link_stats *stats);
 
 void can_node_status_get(struct can_node_status *status);
@@ -93,6 +94,11 @@ static inline void can_node_log(const char *text)
 }
 
 static inline int can_node_tunnel_send(uint8_t channel, const uint8_t *frame, size_t length)
+{
+	return -ENODEV;
+}
+
+static inline int can_node_tunnel_forward(uint8_t channel, const uint8_t *frame, size_t length)
 {
 	return -ENODEV;
 }

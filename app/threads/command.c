@@ -166,7 +166,7 @@ static void configure_arbiter(void)
 	arbiter_configure(&command.arbiter, &config);
 }
 
-/* MAVLink's own parameters are in force after a reset. */
+/* Ids are in force after a reset. */
 void command_params_in_force(struct command *self, const struct param_set *changed)
 {
 	if (param_set_touches(changed, PARAM_GROUP_LIGHT)) {
@@ -180,6 +180,9 @@ void command_params_in_force(struct command *self, const struct param_set *chang
 	}
 	if (param_set_touches(changed, PARAM_GROUP_ARBITER)) {
 		configure_arbiter();
+	}
+	if (param_set_touches(changed, PARAM_GROUP_MAVLINK)) {
+		mavlink_node_configure(&self->params);
 	}
 	if (param_set_touches(changed, PARAM_GROUP_DRONECAN)) {
 		can_node_configure(&self->params);

@@ -19,9 +19,11 @@
 #define LINKS_MAX (UART_LINKS_MAX + TUNNEL_LINKS_MAX)
 
 /* Bytes of a UART's receive ring: 22 ms at 921600 baud. */
-#define UART_RX_RING_SIZE 2048
+#define UART_RX_RING_SIZE      2048
 /* Bytes of its transmit ring; each frame takes two more for its length. */
-#define UART_TX_RING_SIZE 2048
+#define UART_TX_RING_SIZE      2048
+/* Bytes of its ring of forwarded frames. */
+#define UART_FORWARD_RING_SIZE 1024
 
 /*
  * Bytes a second of a tunnel over CAN: what a UART of 115200 baud carries, which is about a sixth
@@ -45,6 +47,7 @@
 _Static_assert(LINKS_MAX == MAVLINK_LINKS_MAX, "the endpoint knows every link");
 _Static_assert(COMMAND_QUEUE_MAX > LINK_FRAMES_MAX + CAN_FRAMES_MAX,
                "frames leave room for reports and calls");
+_Static_assert(UART_FORWARD_RING_SIZE >= MAVLINK_FRAME_MAX + 2, "a forwarded frame fits");
 _Static_assert(UART_TX_RING_SIZE >= 4 * (MAVLINK_FRAME_MAX + 2), "an answer and its streams fit");
 
 #endif

@@ -3,6 +3,7 @@
 
 #include <errno.h>
 
+#include <zephyr/sys/atomic.h>
 #include <zephyr/sys/util.h>
 
 #include "threads/can_node.h"
@@ -17,6 +18,34 @@ int link_send(uint8_t link, const uint8_t *frame, size_t length)
 	return link < LINKS_MAX ? can_node_tunnel_send(link - TUNNEL_LINK0, frame, length)
 	                        : -ENODEV;
 }
+
+#ifdef CONFIG_PHAROS_ROUTING
+static atomic_t opaque;
+
+int link_forward(uint8_t link, const uint8_t *frame, size_t length)
+{
+	if (link < TUNNEL_LINK0) {
+		return uart_link_forward(link, frame, length);
+	}
+	return link < LINKS_MAX ? can_node_tunnel_forward(link - TUNNEL_LINK0, frame, length)
+	                        : -ENODEV;
+}
+
+void link_set_opaque(bool value)
+{
+	atomic_set(&opaque, value);
+}
+
+bool link_is_opaque(void)
+{
+	return atomic_get(&opaque) != 0;
+}
+#else
+bool link_is_opaque(void)
+{
+	return false;
+}
+#endif
 
 uint32_t link_mask(void)
 {
@@ -43,9 +72,10 @@ int link_stats_get(uint8_t link, struct link_stats *stats)
 
 const char *link_name(uint8_t link)
 {
-	static const char *const names[] = {"uart0",   "uart1",   "uart2",   "uart3",
-	                                    "tunnel0", "tunnel1", "tunnel2", "tunnel3"};
+	static const char *const uarts[] = {"uart0", "uart1", "uart2", "uart3"};
+	static const char *const tunnels[] = {"tunnel0", "tunnel1", "tunnel2", "tunnel3"};
 
-	_Static_assert(LINKS_MAX <= ARRAY_SIZE(names), "every link has a name");
-	return names[link];
+	_Static_assert(UART_LINKS_MAX <= ARRAY_SIZE(uarts), "every UART has a name");
+	_Static_assert(TUNNEL_LINKS_MAX <= ARRAY_SIZE(tunnels), "every tunnel has a name");
+	return link < TUNNEL_LINK0 ? uarts[link] : tunnels[link - TUNNEL_LINK0];
 }

@@ -3,10 +3,15 @@
  * Links carry MAVLink frames and know no meaning: UARTs, and the tunnels over CAN. A frame received
  * on a UART goes to the command thread in a buffer of the pool; a frame sent is copied whole into
  * the link's queue, or refused and counted. Nothing is sent to a tunnel that nobody has opened.
+ *
+ * Frames of others that are forwarded never stand before our own: on a UART they have a queue of
+ * their own, which is sent from while the other is empty; in a tunnel, half of the buffer. What has
+ * no room there is dropped and counted.
  */
 #ifndef PHAROS_THREADS_LINK_H
 #define PHAROS_THREADS_LINK_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -27,6 +32,8 @@ struct link_stats {
 	uint32_t tx_frames;
 	uint32_t tx_bytes;
 	uint32_t tx_dropped; /* frames refused because the queue was full */
+	uint32_t forwarded;  /* of others; counted in tx_frames as well once they are sent */
+	uint32_t forward_dropped;
 	struct mavlink_framer_stats framer;
 };
 
@@ -35,6 +42,14 @@ struct link_stats {
  * link; -ENOBUFS: the queue is full, counted.
  */
 int link_send(uint8_t link, const uint8_t *frame, size_t length);
+
+/* The same, for a frame of others. Not without CONFIG_PHAROS_ROUTING. */
+int link_forward(uint8_t link, const uint8_t *frame, size_t length);
+
+/* Whether frames that can't be verified are received too, to be forwarded. Likewise. */
+void link_set_opaque(bool opaque);
+/* Any thread. */
+bool link_is_opaque(void);
 
 /* Bit per link that is always there: the UARTs of this board. Tunnels come and go. */
 uint32_t link_mask(void);

@@ -10,6 +10,7 @@
 #include "threads/devices.h"
 #include "threads/identity.h"
 #include "threads/link.h"
+#include "threads/storage.h"
 
 /* MAV_SYSID 0 leaves the choice to the vehicle; until one is heard, this. */
 #define SYSTEM_ID_FALLBACK 1
@@ -35,11 +36,40 @@ void mavlink_node_init(struct command *command)
 		config.rates[link] = link_rate(link);
 	}
 	mavlink_endpoint_init(&endpoint, &config);
+	mavlink_node_configure(&command->params);
+#ifdef CONFIG_PHAROS_SIGNING
+	struct mavlink_signing_record stored;
+
+	storage_load_signing(&stored);
+	mavlink_endpoint_restore_key(&endpoint, now_us, &stored);
+#endif
 	mavlink_endpoint_add(&endpoint, now_us, (uint8_t)command->params.values[PARAM_MAV_COMPID],
 	                     &mavlink_illuminator_profile, &illuminator);
 	identity_boot_text(text);
 	mavlink_endpoint_text(&endpoint, now_us, 6 /* MAV_SEVERITY_INFO */, text);
 }
+
+void mavlink_node_configure(const struct params *params)
+{
+#ifdef CONFIG_PHAROS_SIGNING
+	mavlink_endpoint_set_secure_links(&endpoint, (uint8_t)params->values[PARAM_MAV_SECURE]);
+#endif
+#ifdef CONFIG_PHAROS_ROUTING
+	const bool routing = params->values[PARAM_MAV_ROUTE] != 0;
+
+	if (routing != endpoint.config.routing) {
+		mavlink_endpoint_set_routing(&endpoint, routing);
+		link_set_opaque(routing);
+	}
+#endif
+}
+
+#ifdef CONFIG_PHAROS_SIGNING
+void mavlink_node_set_key(const struct mavlink_signing_record *record)
+{
+	mavlink_endpoint_set_key(&endpoint, clock_now_us(), record);
+}
+#endif
 
 /* State first, then its acknowledgement. */
 static void perform(struct command *command)
@@ -54,12 +84,30 @@ static void perform(struct command *command)
 
 		link_send(frame->link, &out.bytes[frame->offset], frame->length);
 	}
+#ifdef CONFIG_PHAROS_SIGNING
+	if (out.store_signing) {
+		storage_save_signing(&out.signing);
+	}
+#endif
+}
+
+/* After our own frames, so that others' never delay them. */
+static void forward(const uint8_t *bytes, size_t length)
+{
+#ifdef CONFIG_PHAROS_ROUTING
+	for (uint8_t link = 0; out.forward >> link != 0; link++) {
+		if ((out.forward & BIT(link)) != 0) {
+			link_forward(link, bytes, length);
+		}
+	}
+#endif
 }
 
 void mavlink_node_take(struct command *command, uint8_t link, const uint8_t *bytes, size_t length)
 {
 	mavlink_endpoint_receive(&endpoint, clock_now_us(), link, bytes, length, &out);
 	perform(command);
+	forward(bytes, length);
 }
 
 void mavlink_node_observe(const struct illuminator_outbox *actions)

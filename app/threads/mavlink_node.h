@@ -15,7 +15,10 @@
 /* Before the threads start. */
 void mavlink_node_init(struct command *command);
 
-/* A verified frame has come on a link. */
+/* Parameters of MAVLink's group have changed, or been loaded. */
+void mavlink_node_configure(const struct params *params);
+
+/* A frame has come on a link. */
 void mavlink_node_take(struct command *command, uint8_t link, const uint8_t *bytes, size_t length);
 
 /* Someone else has stepped the core, which returned these. */
@@ -31,6 +34,12 @@ int64_t mavlink_node_deadline_us(void);
 /* A link comes or goes, as in mavlink_endpoint_link_up and _down. */
 void mavlink_node_link_up(uint8_t link);
 void mavlink_node_link_down(uint8_t link);
+
+#ifdef CONFIG_PHAROS_SIGNING
+/* For the shell: a signing key comes, or goes (all zero); from functions given to command_call().
+ */
+void mavlink_node_set_key(const struct mavlink_signing_record *record);
+#endif
 
 /* For the shell: from functions given to command_call(). */
 const struct mavlink_endpoint *mavlink_node_endpoint(void);

@@ -281,8 +281,9 @@ static void print_link(const struct shell *sh, uint8_t link)
 	            "skipped bytes %u",
 	            link_name(link), stats.rx_frames, stats.rx_bytes, stats.rx_overruns,
 	            stats.rx_errors, stats.framer.crc_errors, stats.framer.skipped_bytes);
-	shell_print(sh, "%-7s tx %u frames, %u bytes; dropped %u", "", stats.tx_frames,
-	            stats.tx_bytes, stats.tx_dropped);
+	shell_print(sh, "%-7s tx %u frames, %u bytes; dropped %u; forwarded %u, dropped %u", "",
+	            stats.tx_frames, stats.tx_bytes, stats.tx_dropped, stats.forwarded,
+	            stats.forward_dropped);
 }
 
 static int cmd_link_stats(const struct shell *sh, size_t argc, char **argv)

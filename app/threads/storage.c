@@ -15,6 +15,7 @@ LOG_MODULE_REGISTER(storage);
 
 #define SUBTREE         "pharos"
 #define LIGHT_NAME      SUBTREE "/light"
+#define SIGNING_NAME    SUBTREE "/signing"
 #define PARAM_PREFIX    SUBTREE "/param/"
 #define STORED_NAME_MAX (sizeof(PARAM_PREFIX) + PARAMS_NAME_MAX)
 
@@ -36,6 +37,10 @@ static struct {
 	int32_t values[PARAM_COUNT];
 	bool light;
 	struct stored_light settings;
+#ifdef CONFIG_PHAROS_SIGNING
+	bool signing;
+	struct mavlink_signing_record record;
+#endif
 } pending;
 static struct storage_stats stats;
 static K_SEM_DEFINE(requested, 0, 1);
@@ -114,6 +119,40 @@ int storage_load(struct params *params, struct illuminator_settings *light, bool
 	return 0;
 }
 
+#ifdef CONFIG_PHAROS_SIGNING
+/* As it lies in the store: little endian on every target, without gaps. */
+_Static_assert(sizeof(struct mavlink_signing_record) == 40, "timestamp and key");
+
+static int load_signing(const char *key, size_t length, settings_read_cb read, void *arg,
+                        void *param)
+{
+	struct mavlink_signing_record record;
+
+	if (key != NULL) {
+		return 0;
+	}
+	if (length == sizeof(record) && read(arg, &record, length) == (ssize_t)length) {
+		*(struct mavlink_signing_record *)param = record;
+	} else {
+		stats.refused++;
+	}
+	return 0;
+}
+
+void storage_load_signing(struct mavlink_signing_record *record)
+{
+	memset(record, 0, sizeof(*record));
+
+	const int error = settings_load_subtree_direct(SIGNING_NAME, load_signing, record);
+
+	if (error != 0) {
+		LOG_ERR("cannot load the signing key: error %d; there is none", error);
+		stats.last_error = error;
+		stats.failures++;
+	}
+}
+#endif
+
 /* --- save ------------------------------------------------------------------------------------- */
 
 void storage_save_params(const struct params *params, const struct param_set *changed)
@@ -141,6 +180,18 @@ void storage_save_light(const struct illuminator_settings *light)
 	irq_unlock(key);
 	k_sem_give(&requested);
 }
+
+#ifdef CONFIG_PHAROS_SIGNING
+void storage_save_signing(const struct mavlink_signing_record *record)
+{
+	const unsigned int key = irq_lock();
+
+	pending.signing = true;
+	pending.record = *record;
+	irq_unlock(key);
+	k_sem_give(&requested);
+}
+#endif
 
 struct storage_stats storage_stats_get(void)
 {
@@ -181,6 +232,21 @@ static bool write_param(void)
 	return true;
 }
 
+static void write_signing(void)
+{
+#ifdef CONFIG_PHAROS_SIGNING
+	const unsigned int key = irq_lock();
+	const bool wanted = pending.signing;
+	const struct mavlink_signing_record record = pending.record;
+
+	pending.signing = false;
+	irq_unlock(key);
+	if (wanted) {
+		write_value(SIGNING_NAME, &record, sizeof(record));
+	}
+#endif
+}
+
 static void write_light(void)
 {
 	const unsigned int key = irq_lock();
@@ -203,6 +269,7 @@ void storage_run(void *p1, void *p2, void *p3)
 {
 	for (;;) {
 		k_sem_take(&requested, K_FOREVER);
+		write_signing();
 		while (write_param()) {
 		}
 		firmware_store();

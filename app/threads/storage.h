@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What survives a power cut: parameters and, if LGT_RESTORE says so, the last commanded settings.
+ * What survives a power cut: parameters, the signing key and, if LGT_RESTORE says so, the last
+ * commanded settings.
  * Writing happens in a low-priority thread, after the answer; each value is written whole or not at
  * all (Zephyr settings). Writes of one value that come faster than the store takes them are one.
  */
@@ -12,6 +13,7 @@
 
 #include "core/illuminator.h"
 #include "core/params.h"
+#include "proto/mavlink/signing.h"
 
 struct storage_stats {
 	uint32_t writes;
@@ -31,6 +33,14 @@ void storage_save_params(const struct params *params, const struct param_set *ch
 
 /* Write the settings, once they have stood for a second. Command thread. */
 void storage_save_light(const struct illuminator_settings *light);
+
+#ifdef CONFIG_PHAROS_SIGNING
+/* The signing key and timestamp of the last run; all zero: none. After storage_load(). */
+void storage_load_signing(struct mavlink_signing_record *record);
+
+/* Write them: one value, so never one without the other. Command thread. */
+void storage_save_signing(const struct mavlink_signing_record *record);
+#endif
 
 /* Any thread. */
 struct storage_stats storage_stats_get(void);

@@ -21,6 +21,9 @@ struct uart_link {
 	struct ring_buf rx; /* the interrupt puts, the thread takes */
 	struct ring_buf
 		tx; /* the command thread puts frames with their length, the interrupt takes */
+#ifdef CONFIG_PHAROS_ROUTING
+	struct ring_buf forward; /* the same, of others' frames: taken while tx is empty */
+#endif
 	struct k_sem rx_ready;
 	bool rx_stopped;
 	struct mavlink_framer framer;
@@ -30,6 +33,9 @@ struct uart_link {
 	uint8_t sending[MAVLINK_FRAME_MAX];
 	uint8_t rx_bytes[UART_RX_RING_SIZE];
 	uint8_t tx_bytes[UART_TX_RING_SIZE];
+#ifdef CONFIG_PHAROS_ROUTING
+	uint8_t forward_bytes[UART_FORWARD_RING_SIZE];
+#endif
 };
 
 static struct uart_link links[UART_LINKS_MAX];
@@ -57,21 +63,30 @@ static void receive(const struct device *uart, struct uart_link *link)
 	k_sem_give(&link->rx_ready);
 }
 
-/* The next frame of the send queue, when the last is gone. */
-static bool take_frame(struct uart_link *link)
+static bool take_from(struct uart_link *link, struct ring_buf *queue)
 {
 	uint16_t length;
 
-	if (link->sending_length > 0) {
-		return true;
-	}
-	if (ring_buf_get(&link->tx, (uint8_t *)&length, sizeof(length)) == 0) {
+	if (ring_buf_get(queue, (uint8_t *)&length, sizeof(length)) == 0) {
 		return false;
 	}
-	ring_buf_get(&link->tx, link->sending, length);
+	ring_buf_get(queue, link->sending, length);
 	link->sending_length = length;
 	link->sending_at = 0;
 	return true;
+}
+
+/* The next frame to send, when the last is gone. */
+static bool take_frame(struct uart_link *link)
+{
+	if (link->sending_length > 0 || take_from(link, &link->tx)) {
+		return true;
+	}
+#ifdef CONFIG_PHAROS_ROUTING
+	return take_from(link, &link->forward);
+#else
+	return false;
+#endif
 }
 
 /* A frame goes to the driver in one piece where the hardware takes it, so one frame is one write.
@@ -116,25 +131,35 @@ static struct uart_link *find(uint8_t link)
 	return link < UART_LINKS_MAX && devices.uart_links[link] != NULL ? &links[link] : NULL;
 }
 
-int uart_link_send(uint8_t number, const uint8_t *frame, size_t length)
+/* Puts the whole frame into a queue and has it sent. False: no room. */
+static bool enqueue(uint8_t number, struct ring_buf *queue, const uint8_t *frame, size_t length)
 {
-	struct uart_link *const link = find(number);
 	const uint16_t prefix = (uint16_t)length;
 
-	if (link == NULL) {
-		return -ENODEV;
-	}
-	if (ring_buf_space_get(&link->tx) < sizeof(prefix) + length) {
-		link->stats.tx_dropped++;
-		return -ENOBUFS;
+	if (ring_buf_space_get(queue) < sizeof(prefix) + length) {
+		return false;
 	}
 	/* the interrupt must not see a length without its frame */
 	const unsigned int key = irq_lock();
 
-	ring_buf_put(&link->tx, (const uint8_t *)&prefix, sizeof(prefix));
-	ring_buf_put(&link->tx, frame, (uint32_t)length);
+	ring_buf_put(queue, (const uint8_t *)&prefix, sizeof(prefix));
+	ring_buf_put(queue, frame, (uint32_t)length);
 	irq_unlock(key);
 	uart_irq_tx_enable(devices.uart_links[number]);
+	return true;
+}
+
+int uart_link_send(uint8_t number, const uint8_t *frame, size_t length)
+{
+	struct uart_link *const link = find(number);
+
+	if (link == NULL) {
+		return -ENODEV;
+	}
+	if (!enqueue(number, &link->tx, frame, length)) {
+		link->stats.tx_dropped++;
+		return -ENOBUFS;
+	}
 	return 0;
 }
 
@@ -147,6 +172,23 @@ uint32_t uart_link_rate(uint8_t number)
 	}
 	return config.baudrate / BITS_PER_BYTE;
 }
+
+#ifdef CONFIG_PHAROS_ROUTING
+int uart_link_forward(uint8_t number, const uint8_t *frame, size_t length)
+{
+	struct uart_link *const link = find(number);
+
+	if (link == NULL) {
+		return -ENODEV;
+	}
+	if (!enqueue(number, &link->forward, frame, length)) {
+		link->stats.forward_dropped++;
+		return -ENOBUFS;
+	}
+	link->stats.forwarded++;
+	return 0;
+}
+#endif
 
 int uart_link_stats_get(uint8_t number, struct link_stats *stats)
 {
@@ -204,6 +246,7 @@ static void drain(uint8_t number, struct uart_link *link)
 	uint8_t *from;
 	uint32_t count;
 
+	link->framer.opaque = link_is_opaque();
 	while ((count = ring_buf_get_claim(&link->rx, &from, UART_RX_RING_SIZE)) > 0) {
 		for (uint32_t used = 0; used < count;) {
 			used += (uint32_t)mavlink_framer_write(&link->framer, from + used,
@@ -240,6 +283,9 @@ void uart_links_init(void)
 		}
 		ring_buf_init(&link->rx, sizeof(link->rx_bytes), link->rx_bytes);
 		ring_buf_init(&link->tx, sizeof(link->tx_bytes), link->tx_bytes);
+#ifdef CONFIG_PHAROS_ROUTING
+		ring_buf_init(&link->forward, sizeof(link->forward_bytes), link->forward_bytes);
+#endif
 		k_sem_init(&link->rx_ready, 0, 1);
 		mavlink_framer_init(&link->framer);
 		uart_irq_callback_user_data_set(uart, uart_interrupt, link);

@@ -10,6 +10,7 @@
 
 /* As link_send() and so on, of the links 0…UART_LINKS_MAX - 1. */
 int uart_link_send(uint8_t number, const uint8_t *frame, size_t length);
+int uart_link_forward(uint8_t number, const uint8_t *frame, size_t length);
 uint32_t uart_link_rate(uint8_t number);
 int uart_link_stats_get(uint8_t number, struct link_stats *stats);
 

@@ -97,6 +97,12 @@ bool dronecan_tunnel_receive(struct dronecan_tunnel *self, int64_t now_us,
 	return true;
 }
 
+size_t dronecan_tunnel_waiting(const struct dronecan_tunnel *self, uint8_t channel)
+{
+	PHAROS_ASSERT(channel < DRONECAN_TUNNEL_CHANNELS);
+	return self->channels[channel].count;
+}
+
 bool dronecan_tunnel_write(struct dronecan_tunnel *self, int64_t now_us, uint8_t channel,
                            const uint8_t *data, size_t size)
 {

@@ -76,6 +76,9 @@ bool dronecan_tunnel_receive(struct dronecan_tunnel *self, int64_t now_us,
 /* Whether the asker was heard within 3 s. */
 bool dronecan_tunnel_is_open(const struct dronecan_tunnel *self, int64_t now_us, uint8_t channel);
 
+/* Bytes that wait to be sent. */
+size_t dronecan_tunnel_waiting(const struct dronecan_tunnel *self, uint8_t channel);
+
 /* Takes all of data or, when it is too much or the channel is closed, none (false, counted). */
 bool dronecan_tunnel_write(struct dronecan_tunnel *self, int64_t now_us, uint8_t channel,
                            const uint8_t *data, size_t size);

@@ -17,9 +17,11 @@ void mavlink_endpoint_init(struct mavlink_endpoint *self,
 	self->due_us = TIME_NEVER_US;
 	mavlink_texts_init(&self->texts);
 	mavlink_vehicle_init(&self->vehicle, config->adopt);
+	mavlink_endpoint_set_routing(self, config->routing);
 }
 
-static struct mavlink_component *component_find(struct mavlink_endpoint *self, uint8_t id)
+static const struct mavlink_component *component_find(const struct mavlink_endpoint *self,
+                                                      uint8_t id)
 {
 	for (uint8_t i = 0; i < self->component_count; i++) {
 		if (self->components[i].id == id) {
@@ -51,6 +53,19 @@ void mavlink_endpoint_set_system_id(struct mavlink_endpoint *self, uint8_t syste
 	self->config.system_id = system_id;
 }
 
+void mavlink_endpoint_set_secure_links(struct mavlink_endpoint *self, uint8_t links)
+{
+	self->config.secure_links = links;
+}
+
+void mavlink_endpoint_set_routing(struct mavlink_endpoint *self, bool on)
+{
+	self->config.routing = on;
+#ifdef CONFIG_PHAROS_ROUTING
+	mavlink_router_set(&self->router, on);
+#endif
+}
+
 void mavlink_endpoint_link_up(struct mavlink_endpoint *self, int64_t now_us, uint8_t link)
 {
 	PHAROS_ASSERT(link < MAVLINK_LINKS_MAX);
@@ -66,6 +81,40 @@ void mavlink_endpoint_link_down(struct mavlink_endpoint *self, uint8_t link)
 {
 	PHAROS_ASSERT(link < MAVLINK_LINKS_MAX);
 	self->config.links &= (uint8_t) ~(1u << link);
+#ifdef CONFIG_PHAROS_ROUTING
+	mavlink_router_link_down(&self->router, link);
+#endif
+}
+
+bool mavlink_is_ours(const struct mavlink_endpoint *self, uint8_t system, uint8_t component)
+{
+	return system == self->config.system_id && component_find(self, component) != NULL;
+}
+
+uint8_t mavlink_link_version(const struct mavlink_endpoint *self, uint8_t link)
+{
+	return self->links[link].version == 1 && !mavlink_is_signing(self) ? 1 : 2;
+}
+
+/* Bit per link that a frame goes on to. */
+static uint8_t forward(struct mavlink_endpoint *self, int64_t now_us, uint8_t link,
+                       const struct mavlink_frame *frame)
+{
+#ifdef CONFIG_PHAROS_ROUTING
+	if (self->config.routing) {
+		const struct mavlink_target target = mavlink_frame_target(frame);
+		const struct mavlink_passage passage = {
+			.frame = frame,
+			.target = target,
+			.link = link,
+			.links = self->config.links,
+			.is_ours = mavlink_is_ours(self, target.system_id, target.component_id),
+		};
+
+		return mavlink_router_take(&self->router, now_us, &passage);
+	}
+#endif
+	return 0;
 }
 
 /* The first frame decides what a link is spoken to in; version 2, once heard, stays. */
@@ -118,12 +167,15 @@ void mavlink_endpoint_receive(struct mavlink_endpoint *self, int64_t now_us, uin
 		self->links[link].stats.rx_malformed++;
 		return;
 	}
-	if (frame.system_id == self->config.system_id &&
-	    component_find(self, frame.component_id) != NULL) {
+	if (mavlink_is_ours(self, frame.system_id, frame.component_id)) {
 		self->links[link].stats.rx_echoes++;
 		return;
 	}
 	link_heard(&self->links[link], frame.version);
+	out->forward = forward(self, now_us, link, &frame);
+	if (!mavlink_admit(self, now_us, link, &frame)) {
+		return;
+	}
 
 	struct mavlink_context context = {
 		.endpoint = self,
@@ -210,6 +262,7 @@ void mavlink_endpoint_step(struct mavlink_endpoint *self, int64_t now_us,
 	}
 
 	step_vehicle(self, now_us);
+	mavlink_signing_step(self, now_us, out);
 
 	struct mavlink_context context = {.endpoint = self, .out = out, .now_us = now_us};
 
@@ -223,9 +276,11 @@ int64_t mavlink_endpoint_deadline_us(const struct mavlink_endpoint *self)
 {
 	const int64_t services_us = services_due_us(self);
 	const int64_t vehicle_us = mavlink_vehicle_deadline_us(&self->vehicle);
+	const int64_t signing_us = mavlink_signing_due_us(self);
 	const int64_t due_us = services_us < self->due_us ? services_us : self->due_us;
+	const int64_t other_us = vehicle_us < signing_us ? vehicle_us : signing_us;
 
-	return vehicle_us < due_us ? vehicle_us : due_us;
+	return other_us < due_us ? other_us : due_us;
 }
 
 void mavlink_endpoint_observe(struct mavlink_endpoint *self, int64_t now_us,
@@ -251,15 +306,20 @@ bool mavlink_send(const struct mavlink_context *context, uint8_t link,
 	PHAROS_ASSERT(mavlink_outbox_has_room(out));
 
 	const struct mavlink_sender sender = {
-		.version = to->version == 1 ? 1 : 2,
+		.version = mavlink_link_version(context->endpoint, link),
 		.sequence = *sequence,
 		.system_id = context->endpoint->config.system_id,
 		.component_id = context->component->id,
+		.has_signature = mavlink_is_signing(context->endpoint),
 	};
-	const size_t length = mavlink_frame_build(out->bytes + out->used, &sender, kind, payload);
+	uint8_t *const bytes = out->bytes + out->used;
+	size_t length = mavlink_frame_build(bytes, &sender, kind, payload);
 
 	if (length == 0) {
 		return false;
+	}
+	if (sender.has_signature) {
+		length += mavlink_sign(context->endpoint, context->now_us, link, bytes, length);
 	}
 	out->frames[out->count++] = (struct mavlink_outbox_frame){
 		.offset = out->used,

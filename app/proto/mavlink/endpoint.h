@@ -18,6 +18,8 @@
  * Rules: a frame is for a component when its target is 0 or the component's, in both ids; what is
  * for others meets silence. An answer goes to the link and ids that the question came from.
  * Broadcasts go to every link. A link that has only spoken version 1 is spoken to in version 1.
+ * With a key (signing.h), what is not rightly signed is not heard, and everything goes out signed,
+ * in version 2. With routing (router.h), what others say to each other goes on to their links.
  * An answer is never more than a few frames, which always fit the outbox; streams that do not fit
  * leave the deadline in the past, so that the loop above sends them.
  *
@@ -28,6 +30,8 @@
 
 #include "proto/mavlink/frame.h"
 #include "proto/mavlink/outbox.h"
+#include "proto/mavlink/router.h"
+#include "proto/mavlink/signing.h"
 #include "proto/mavlink/vehicle.h"
 
 #include <stdbool.h>
@@ -166,13 +170,16 @@ struct mavlink_texts {
 };
 
 /*
- * system_id 1…255. adopt: until a vehicle's is adopted. links: bit per link that is up. rates:
- * bytes a second that a link carries.
+ * system_id 1…255. adopt: until a vehicle's is adopted. links: bit per link that is up.
+ * secure_links: those on which SETUP_SIGNING is obeyed. routing: whether what others say to each
+ * other goes on. rates: bytes a second that a link carries.
  */
 struct mavlink_endpoint_config {
 	uint8_t system_id;
 	bool adopt;
 	uint8_t links;
+	uint8_t secure_links;
+	bool routing;
 	uint32_t rates[MAVLINK_LINKS_MAX]; /* 0: MAVLINK_RATE_DEFAULT */
 };
 
@@ -185,6 +192,12 @@ struct mavlink_endpoint {
 	struct mavlink_link links[MAVLINK_LINKS_MAX];
 	struct mavlink_texts texts;
 	struct mavlink_vehicle vehicle;
+#ifdef CONFIG_PHAROS_SIGNING
+	struct mavlink_signing signing;
+#endif
+#ifdef CONFIG_PHAROS_ROUTING
+	struct mavlink_router router;
+#endif
 };
 
 /* config asserted. No component yet, so nothing is due. */
@@ -200,6 +213,20 @@ void mavlink_endpoint_add(struct mavlink_endpoint *self, int64_t now_us, uint8_t
 
 /* Takes the vehicle's system id, 1…255 (asserted). */
 void mavlink_endpoint_set_system_id(struct mavlink_endpoint *self, uint8_t system_id);
+
+/* Change the config's last two. Left out of the build, they have no effect. */
+void mavlink_endpoint_set_secure_links(struct mavlink_endpoint *self, uint8_t links);
+void mavlink_endpoint_set_routing(struct mavlink_endpoint *self, bool on);
+
+#ifdef CONFIG_PHAROS_SIGNING
+/* The key and timestamp of the last run, before the first frame. */
+void mavlink_endpoint_restore_key(struct mavlink_endpoint *self, int64_t now_us,
+                                  const struct mavlink_signing_record *stored);
+
+/* A key comes, or goes (all zero), from someone who is trusted. It is then to be stored. */
+void mavlink_endpoint_set_key(struct mavlink_endpoint *self, int64_t now_us,
+                              const struct mavlink_signing_record *record);
+#endif
 
 /*
  * A link comes: whoever is there now was not before, so its version is unknown and its streams are

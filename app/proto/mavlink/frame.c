@@ -2,8 +2,13 @@
 #include "proto/mavlink/frame.h"
 
 #include <pharos_crc_extra.h>
+#ifdef CONFIG_PHAROS_ROUTING
+#include <pharos_targets.h>
+#endif
 
 #include <string.h>
+
+#define MESSAGES (sizeof(pharos_crc_extra_ids) / sizeof(pharos_crc_extra_ids[0]))
 
 /* Polynomial 0x1021, reflected: a row's value is its index, shifted through the register. */
 static const uint16_t checksum_table[256] = {
@@ -129,7 +134,7 @@ size_t mavlink_frame_build(uint8_t *bytes, const struct mavlink_sender *sender,
 		length = trimmed_length(payload, kind->length);
 		*at++ = MAVLINK_MAGIC_V2;
 		*at++ = length;
-		*at++ = 0;
+		*at++ = sender->has_signature ? MAVLINK_INCOMPAT_SIGNED : 0;
 		*at++ = 0;
 	}
 	*at++ = sender->sequence;
@@ -152,10 +157,11 @@ size_t mavlink_frame_build(uint8_t *bytes, const struct mavlink_sender *sender,
 	return (size_t)(at - bytes);
 }
 
-bool mavlink_crc_extra(uint32_t message_id, uint8_t *crc_extra)
+/* Index in the generated tables; MESSAGES: no dialect has that id. */
+static size_t message_index(uint32_t message_id)
 {
 	size_t low = 0;
-	size_t high = PHAROS_CRC_EXTRA_COUNT;
+	size_t high = MESSAGES;
 
 	while (low < high) {
 		const size_t middle = (low + high) / 2;
@@ -166,9 +172,31 @@ bool mavlink_crc_extra(uint32_t message_id, uint8_t *crc_extra)
 			high = middle;
 		}
 	}
-	if (low == PHAROS_CRC_EXTRA_COUNT || pharos_crc_extra_ids[low] != message_id) {
+	return low < MESSAGES && pharos_crc_extra_ids[low] == message_id ? low : MESSAGES;
+}
+
+bool mavlink_crc_extra(uint32_t message_id, uint8_t *crc_extra)
+{
+	const size_t index = message_index(message_id);
+
+	if (index == MESSAGES) {
 		return false;
 	}
-	*crc_extra = pharos_crc_extra[low];
+	*crc_extra = pharos_crc_extra[index];
 	return true;
 }
+
+#ifdef CONFIG_PHAROS_ROUTING
+struct mavlink_target mavlink_frame_target(const struct mavlink_frame *frame)
+{
+	const size_t index = message_index(frame->message_id);
+	struct mavlink_target target = {0};
+
+	if (index < MESSAGES) {
+		/* an offset behind every payload stands for no such field */
+		target.system_id = mavlink_frame_byte(frame, pharos_target_system[index]);
+		target.component_id = mavlink_frame_byte(frame, pharos_target_component[index]);
+	}
+	return target;
+}
+#endif

@@ -53,6 +53,13 @@ struct mavlink_sender {
 	uint8_t sequence;
 	uint8_t system_id;
 	uint8_t component_id;
+	bool has_signature; /* it will be appended; version 2 */
+};
+
+/* To whom a message is addressed; 0: to everyone. */
+struct mavlink_target {
+	uint8_t system_id;
+	uint8_t component_id;
 };
 
 /* CRC-16/MCRF4XX over length bytes, from crc on (MAVLINK_CHECKSUM_INITIAL). */
@@ -74,8 +81,8 @@ void mavlink_frame_payload(const struct mavlink_frame *frame, void *payload, siz
 uint8_t mavlink_frame_byte(const struct mavlink_frame *frame, uint8_t offset);
 
 /*
- * Builds an unsigned frame. bytes: room for MAVLINK_FRAME_MAX. payload: kind->length bytes in wire
- * order. Version 2 leaves out trailing zeros (one byte stays), version 1 the extensions.
+ * Builds a frame up to its checksum. bytes: room for MAVLINK_FRAME_MAX. payload: kind->length bytes
+ * in wire order. Version 2 leaves out trailing zeros (one byte stays), version 1 the extensions.
  * Returns the length; 0: version 1 can't carry that message.
  */
 size_t mavlink_frame_build(uint8_t *bytes, const struct mavlink_sender *sender,
@@ -83,5 +90,8 @@ size_t mavlink_frame_build(uint8_t *bytes, const struct mavlink_sender *sender,
 
 /* Looks up CRC_EXTRA of any message that pymavlink's dialects know. false: unknown id. */
 bool mavlink_crc_extra(uint32_t message_id, uint8_t *crc_extra);
+
+/* The target of any message that pymavlink's dialects know; without target, or unknown: all. */
+struct mavlink_target mavlink_frame_target(const struct mavlink_frame *frame);
 
 #endif

@@ -19,6 +19,7 @@ void mavlink_framer_init(struct mavlink_framer *self)
 	self->head = 0;
 	self->tail = 0;
 	self->skipping = false;
+	self->opaque = false;
 }
 
 uint8_t *mavlink_framer_reserve(struct mavlink_framer *self, size_t *room)
@@ -54,6 +55,16 @@ static bool is_magic(uint8_t byte)
 	return byte == MAVLINK_MAGIC_V2 || byte == MAVLINK_MAGIC_V1;
 }
 
+/* The length that a header claims; it is all there. */
+static size_t claimed_length(const uint8_t *bytes)
+{
+	if (bytes[0] == MAVLINK_MAGIC_V1) {
+		return MAVLINK_V1_FRAME_MIN + (size_t)bytes[1];
+	}
+	return MAVLINK_V2_FRAME_MIN + (size_t)bytes[1] +
+	       ((bytes[2] & MAVLINK_INCOMPAT_SIGNED) != 0 ? MAVLINK_SIGNATURE_BYTES : 0);
+}
+
 /* What begins at bytes, which has a magic byte first. Decides as early as the bytes allow. */
 static enum verdict inspect(const uint8_t *bytes, size_t available, struct mavlink_frame *frame)
 {
@@ -80,11 +91,8 @@ static enum verdict inspect(const uint8_t *bytes, size_t available, struct mavli
 	}
 
 	const size_t body = header + bytes[1];
-	size_t length = body + MAVLINK_CHECKSUM_BYTES;
+	const size_t length = claimed_length(bytes);
 
-	if (v2 && (bytes[2] & MAVLINK_INCOMPAT_SIGNED) != 0) {
-		length += MAVLINK_SIGNATURE_BYTES;
-	}
 	if (available < length) {
 		return VERDICT_INCOMPLETE;
 	}
@@ -99,6 +107,35 @@ static enum verdict inspect(const uint8_t *bytes, size_t available, struct mavli
 	return mavlink_frame_view(bytes, length, frame) ? VERDICT_FRAME : VERDICT_NO_HEADER;
 }
 
+/*
+ * A frame with an unknown id at the head, by what begins within it: FRAME: nothing, it may pass.
+ * UNKNOWN_ID: a verified one, so this is none. INCOMPLETE: that shows later. On a silent line what
+ * is not there does not come.
+ */
+static enum verdict inspect_unknown(const uint8_t *bytes, size_t available, bool silent,
+                                    struct mavlink_frame *frame)
+{
+	const size_t length = claimed_length(bytes);
+	bool pending = false;
+
+	for (size_t at = 1; at < length && at < available; at++) {
+		if (!is_magic(bytes[at])) {
+			continue;
+		}
+
+		const enum verdict within = inspect(bytes + at, available - at, frame);
+
+		if (within == VERDICT_FRAME) {
+			return VERDICT_UNKNOWN_ID;
+		}
+		pending = pending || within == VERDICT_INCOMPLETE;
+	}
+	if (available < length || (pending && !silent)) {
+		return VERDICT_INCOMPLETE;
+	}
+	return mavlink_frame_view(bytes, length, frame) ? VERDICT_FRAME : VERDICT_UNKNOWN_ID;
+}
+
 static void skip(struct mavlink_framer *self, size_t count)
 {
 	self->head = (uint16_t)(self->head + count);
@@ -106,10 +143,11 @@ static void skip(struct mavlink_framer *self, size_t count)
 	self->skipping = true;
 }
 
-static void take(struct mavlink_framer *self, uint16_t length)
+static void take(struct mavlink_framer *self, const struct mavlink_frame *frame, bool opaque)
 {
-	self->head = (uint16_t)(self->head + length);
+	self->head = (uint16_t)(self->head + frame->length);
 	self->stats.frames++;
+	self->stats.opaque_frames += opaque;
 	if (self->skipping) {
 		self->stats.resyncs++;
 		self->skipping = false;
@@ -120,14 +158,22 @@ bool mavlink_framer_next(struct mavlink_framer *self, struct mavlink_frame *fram
 {
 	while (self->head < self->tail) {
 		const uint8_t *const bytes = self->window + self->head;
+		const size_t available = (size_t)(self->tail - self->head);
 
 		if (!is_magic(bytes[0])) {
 			skip(self, 1);
 			continue;
 		}
-		switch (inspect(bytes, (size_t)(self->tail - self->head), frame)) {
+
+		enum verdict verdict = inspect(bytes, available, frame);
+		const bool opaque = self->opaque && verdict == VERDICT_UNKNOWN_ID;
+
+		if (opaque) {
+			verdict = inspect_unknown(bytes, available, false, frame);
+		}
+		switch (verdict) {
 		case VERDICT_FRAME:
-			take(self, frame->length);
+			take(self, frame, opaque);
 			return true;
 		case VERDICT_INCOMPLETE:
 			return false;
@@ -152,12 +198,20 @@ bool mavlink_framer_pending(const struct mavlink_framer *self)
 
 bool mavlink_framer_idle(struct mavlink_framer *self, struct mavlink_frame *frame)
 {
-	for (size_t at = (size_t)self->head + 1; at < self->tail; at++) {
-		const uint8_t *const bytes = self->window + at;
+	const uint8_t *const head = self->window + self->head;
+	const size_t available = (size_t)(self->tail - self->head);
 
-		if (is_magic(bytes[0]) && inspect(bytes, self->tail - at, frame) == VERDICT_FRAME) {
-			skip(self, at - self->head);
-			take(self, frame->length);
+	if (self->opaque && available > 0 && is_magic(head[0]) &&
+	    inspect(head, available, frame) == VERDICT_UNKNOWN_ID &&
+	    inspect_unknown(head, available, true, frame) == VERDICT_FRAME) {
+		take(self, frame, true);
+		return true;
+	}
+	for (size_t at = 1; at < available; at++) {
+		if (is_magic(head[at]) &&
+		    inspect(head + at, available - at, frame) == VERDICT_FRAME) {
+			skip(self, at);
+			take(self, frame, false);
 			return true;
 		}
 	}

@@ -10,6 +10,8 @@
  *
  * A frame is verified: its checksum is right, including CRC_EXTRA, for any message of pymavlink's
  * dialects. An id not known can't be verified and is taken for a false start.
+ * A router sets opaque: then such a frame comes out as well, by the length that it claims, unless
+ * a verified one begins within it. As long as one may, it waits; so no verified frame is lost.
  * After a false start (bad checksum, unknown id, unknown incompatibility flag) the search goes on
  * with the very next byte, so no good frame is lost behind a wrong length byte.
  * Such a length byte may claim bytes that never come: once the line has been silent for some
@@ -28,6 +30,7 @@
 
 struct mavlink_framer_stats {
 	uint32_t frames;
+	uint32_t opaque_frames; /* of these, those that could not be verified */
 	uint32_t crc_errors;    /* candidates with a wrong checksum */
 	uint32_t unknown_ids;   /* candidates with an id that no dialect has */
 	uint32_t resyncs;       /* times that a frame was found after bytes had been skipped */
@@ -39,6 +42,7 @@ struct mavlink_framer {
 	uint16_t head;
 	uint16_t tail;
 	bool skipping;
+	bool opaque; /* to be set by the owner at any time */
 	uint8_t window[MAVLINK_FRAMER_WINDOW];
 };
 
@@ -46,8 +50,8 @@ void mavlink_framer_init(struct mavlink_framer *self);
 
 /*
  * Where to put bytes, and how many may follow (*room); then tell how many came. For drivers that
- * copy themselves. room is at least MAVLINK_FRAME_MAX once mavlink_framer_next has returned false.
- * Frames handed out before are no longer valid.
+ * copy themselves. Once mavlink_framer_next has returned false, room is at least MAVLINK_FRAME_MAX,
+ * with opaque at least 1. Frames handed out before are no longer valid.
  */
 uint8_t *mavlink_framer_reserve(struct mavlink_framer *self, size_t *room);
 void mavlink_framer_commit(struct mavlink_framer *self, size_t count);

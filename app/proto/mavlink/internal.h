@@ -50,6 +50,59 @@ int64_t mavlink_streams_due_us(const struct mavlink_endpoint *endpoint);
 /* Can the link carry the message? Version 1 has ids up to 255. */
 bool mavlink_link_carries(const struct mavlink_endpoint *endpoint, uint8_t link, uint32_t id);
 
+/* --- endpoint.c ------------------------------------------------------------------------------- */
+
+/* Are these ids exactly those of one of our components? */
+bool mavlink_is_ours(const struct mavlink_endpoint *endpoint, uint8_t system, uint8_t component);
+
+/* What a link is spoken to in. With a key it is 2, since 1 can't be signed. */
+uint8_t mavlink_link_version(const struct mavlink_endpoint *endpoint, uint8_t link);
+
+/* --- admission.c ------------------------------------------------------------------------------ */
+#ifdef CONFIG_PHAROS_SIGNING
+/* May our components hear the frame? SETUP_SIGNING is dealt with here. */
+bool mavlink_admit(struct mavlink_endpoint *self, int64_t now_us, uint8_t link,
+                   const struct mavlink_frame *frame);
+bool mavlink_is_signing(const struct mavlink_endpoint *self);
+
+/* Appends a signature; the bytes that it has. */
+size_t mavlink_sign(struct mavlink_endpoint *self, int64_t now_us, uint8_t link, uint8_t *bytes,
+                    size_t length);
+
+/* Hands out what is to be stored, when it is time; and when that is. */
+void mavlink_signing_step(struct mavlink_endpoint *self, int64_t now_us,
+                          struct mavlink_outbox *out);
+int64_t mavlink_signing_due_us(const struct mavlink_endpoint *self);
+#else
+static inline bool mavlink_admit(struct mavlink_endpoint *self, int64_t now_us, uint8_t link,
+                                 const struct mavlink_frame *frame)
+{
+	(void)self, (void)now_us, (void)link, (void)frame;
+	return true;
+}
+static inline bool mavlink_is_signing(const struct mavlink_endpoint *self)
+{
+	(void)self;
+	return false;
+}
+static inline size_t mavlink_sign(struct mavlink_endpoint *self, int64_t now_us, uint8_t link,
+                                  uint8_t *bytes, size_t length)
+{
+	(void)self, (void)now_us, (void)link, (void)bytes, (void)length;
+	return 0;
+}
+static inline void mavlink_signing_step(struct mavlink_endpoint *self, int64_t now_us,
+                                        struct mavlink_outbox *out)
+{
+	(void)self, (void)now_us, (void)out;
+}
+static inline int64_t mavlink_signing_due_us(const struct mavlink_endpoint *self)
+{
+	(void)self;
+	return TIME_NEVER_US;
+}
+#endif
+
 /* --- text.c ----------------------------------------------------------------------------------- */
 void mavlink_texts_init(struct mavlink_texts *self);
 

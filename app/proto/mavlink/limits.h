@@ -58,6 +58,14 @@
 #define MAVLINK_NOTICE_KINDS   6
 #define MAVLINK_NOTICE_GAP_US  10000000
 
+/* Signing: senders that are followed at once, and how often the timestamp is stored. */
+#define MAVLINK_SIGNING_STREAMS_MAX 16
+#define MAVLINK_SIGNING_STORE_S     50
+
+/* Routing: senders whose link is known, and the silence after which they may have moved. */
+#define MAVLINK_ROUTES_MAX       32
+#define MAVLINK_ROUTE_SILENCE_US 5000000
+
 _Static_assert(MAVLINK_FRAME_MAX == MAVLINK_V2_HEADER + MAVLINK_PAYLOAD_MAX +
                                             MAVLINK_CHECKSUM_BYTES + MAVLINK_SIGNATURE_BYTES,
                "the longest frame");
@@ -65,6 +73,7 @@ _Static_assert(MAVLINK_FRAMER_WINDOW >= 2 * MAVLINK_FRAME_MAX, "room beside an u
 _Static_assert(MAVLINK_OUTBOX_FRAMES >= MAVLINK_STEP_FRAMES, "the answers to a frame fit");
 _Static_assert(MAVLINK_OUTBOX_BYTES >= MAVLINK_STEP_BYTES, "the answers to a frame fit");
 _Static_assert(MAVLINK_OUTBOX_BYTES <= UINT16_MAX, "offsets are 16 bits");
+_Static_assert(MAVLINK_SIGNING_STORE_S < 60, "stored at least once a minute");
 _Static_assert(MAVLINK_LINKS_MAX <= 8, "a set of links is 8 bits");
 
 #endif

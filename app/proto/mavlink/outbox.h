@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * What the endpoint wants done: first the core's actions and changed parameters, then the frames in
- * their order. So state
- * is in force before its acknowledgement leaves.
+ * their order, then what is forwarded. So state is in force before its acknowledgement leaves, and
+ * others' frames never stand before our own.
  */
 #ifndef PHAROS_PROTO_MAVLINK_OUTBOX_H
 #define PHAROS_PROTO_MAVLINK_OUTBOX_H
@@ -10,6 +10,7 @@
 #include "core/illuminator.h"
 #include "core/params.h"
 #include "proto/mavlink/limits.h"
+#include "proto/mavlink/signing.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -23,9 +24,12 @@ struct mavlink_outbox_frame {
 struct mavlink_outbox {
 	struct illuminator_outbox core;
 	struct param_set params; /* that have changed: to put in force and to store */
+	bool store_signing;      /* signing is to be stored */
+	uint8_t forward;         /* bit per link that the received frame goes on to, as it is */
 	uint16_t command;        /* that was carried out and acknowledged; 0: none */
 	uint16_t count;
 	uint16_t used;
+	struct mavlink_signing_record signing;
 	struct mavlink_outbox_frame frames[MAVLINK_OUTBOX_FRAMES];
 	uint8_t bytes[MAVLINK_OUTBOX_BYTES];
 };
@@ -34,6 +38,8 @@ static inline void mavlink_outbox_clear(struct mavlink_outbox *self)
 {
 	self->core.count = 0;
 	self->params = (struct param_set){0};
+	self->store_signing = false;
+	self->forward = 0;
 	self->command = 0;
 	self->count = 0;
 	self->used = 0;

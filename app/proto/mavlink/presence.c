@@ -30,7 +30,7 @@ uint8_t mavlink_fill_protocol_version(const struct mavlink_context *context, flo
                                       void *payload)
 {
 	mavlink_protocol_version_t *const version = payload;
-	const uint8_t spoken = context->endpoint->links[context->link].version;
+	const uint8_t spoken = mavlink_link_version(context->endpoint, context->link);
 
 	(void)argument;
 	version->version = spoken == 1 ? PROTOCOL_VERSION_1 : PROTOCOL_VERSION_2;

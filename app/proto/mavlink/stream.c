@@ -82,7 +82,7 @@ int32_t mavlink_stream_interval_us(const struct mavlink_context *context,
 
 bool mavlink_link_carries(const struct mavlink_endpoint *endpoint, uint8_t link, uint32_t id)
 {
-	return id <= MAVLINK_V1_MESSAGE_MAX || endpoint->links[link].version != 1;
+	return id <= MAVLINK_V1_MESSAGE_MAX || mavlink_link_version(endpoint, link) != 1;
 }
 
 /* The next time on the grid; a stream that fell behind starts a new grid. */

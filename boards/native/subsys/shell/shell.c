@@ -66,10 +66,27 @@ static void line_complete(const struct shell *sh)
 		shell_edit_reset(sh);
 		ctx->ret_val = run(sh, ctx->saved_line);
 	}
-	if (shell_is_terminal(sh)) {
+	if (shell_is_terminal(sh) && ctx->bypass == NULL) {
 		shell_out_fresh_line(sh);
 		shell_edit_show(sh);
 	}
+}
+
+static void pass_by(const struct shell *sh, uint8_t *data, size_t len)
+{
+	struct shell_ctx *ctx = sh->ctx;
+
+	(void)k_mutex_lock(&ctx->exec_mtx, K_FOREVER);
+	ctx->executing = true;
+	ctx->bypass(sh, data, len);
+	ctx->executing = false;
+	if (ctx->bypass == NULL && shell_is_terminal(sh)) {
+		(void)k_mutex_lock(&ctx->wr_mtx, K_FOREVER);
+		shell_out_fresh_line(sh);
+		shell_edit_show(sh);
+		(void)k_mutex_unlock(&ctx->wr_mtx);
+	}
+	(void)k_mutex_unlock(&ctx->exec_mtx);
 }
 
 static void take_byte(const struct shell *sh, char byte)
@@ -103,6 +120,10 @@ static void shell_thread(void *p1, void *p2, void *p3)
 
 		(void)sh->iface->api->read(sh->iface, bytes, sizeof(bytes), &count);
 		for (size_t i = 0; i < count; i++) {
+			if (ctx->bypass != NULL) {
+				pass_by(sh, (uint8_t *)&bytes[i], count - i);
+				break;
+			}
 			take_byte(sh, bytes[i]);
 		}
 		if (count == 0) {
@@ -169,6 +190,11 @@ int shell_execute_cmd(const struct shell *sh, const char *cmd)
 	(void)k_mutex_unlock(&ctx->wr_mtx);
 	(void)k_mutex_unlock(&ctx->exec_mtx);
 	return rc;
+}
+
+void shell_set_bypass(const struct shell *sh, shell_bypass_cb_t bypass)
+{
+	sh->ctx->bypass = bypass;
 }
 
 int shell_get_return_value(const struct shell *sh)

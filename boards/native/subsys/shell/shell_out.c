@@ -77,14 +77,15 @@ void shell_out_fresh_line(const struct shell *sh)
 
 void shell_out_begin(const struct shell *sh)
 {
-	if (!sh->ctx->executing) {
+	if (!sh->ctx->executing && sh->ctx->bypass == NULL) {
 		shell_edit_hide(sh);
 	}
 }
 
 void shell_out_end(const struct shell *sh)
 {
-	if (!sh->ctx->executing && shell_is_terminal(sh) && sh->ctx->state == SHELL_STATE_ACTIVE) {
+	if (!sh->ctx->executing && sh->ctx->bypass == NULL && shell_is_terminal(sh) &&
+	    sh->ctx->state == SHELL_STATE_ACTIVE) {
 		shell_out_fresh_line(sh);
 		shell_edit_show(sh);
 	}

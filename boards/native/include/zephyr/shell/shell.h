@@ -56,6 +56,9 @@ typedef int (*shell_cmd_handler)(const struct shell *sh, size_t argc, char **arg
 /* Fills `entry` with the idx-th subcommand, in alphabetical order; entry->syntax NULL: no more. */
 typedef void (*shell_dynamic_get)(size_t idx, struct shell_static_entry *entry);
 
+/* Takes len bytes as they come from the transport, in the shell's thread. */
+typedef void (*shell_bypass_cb_t)(const struct shell *sh, uint8_t *data, size_t len);
+
 union shell_cmd_entry {
 	shell_dynamic_get dynamic_get;
 	const struct shell_static_entry *entry; /* ends with syntax NULL */
@@ -238,6 +241,7 @@ struct shell_ctx {
 	bool executing;
 	bool log_backend; /* lines of log go through this shell */
 	int ret_val;
+	shell_bypass_cb_t bypass; /* NULL: bytes are keys */
 
 	/* the line being typed */
 	char line[CONFIG_SHELL_CMD_BUFF_SIZE]; /* always terminated */
@@ -314,6 +318,11 @@ int shell_execute_cmd(const struct shell *sh, const char *cmd);
 
 /* Prints the help of the running command and of its subcommands. From commands only. */
 void shell_help(const struct shell *sh);
+
+/* From now on bytes go to bypass as they come, with no echo, no prompt and no history; NULL: they
+ * are keys again. From a command, or from bypass itself.
+ */
+void shell_set_bypass(const struct shell *sh, shell_bypass_cb_t bypass);
 
 /* What the last command returned. */
 int shell_get_return_value(const struct shell *sh);
