@@ -2,6 +2,7 @@
 #include "threads/mavlink_node.h"
 
 #include <zephyr/kernel.h>
+#include <zephyr/sys/printk.h>
 
 #include <pharos/drivers/probe.h>
 
@@ -120,10 +121,28 @@ void mavlink_node_params_changed(const struct param_set *changed)
 	mavlink_params_changed(&illuminator.params, clock_now_us(), endpoint.config.links, changed);
 }
 
+/* What could not be stored is gone after the next reset: people should know. */
+static void tell_storage_failure(int64_t now_us)
+{
+	static uint32_t told;
+	static int64_t next_us;
+	const struct storage_stats stats = storage_stats_get();
+	char text[MAVLINK_TEXT_BYTES];
+
+	if (stats.failures == told || now_us < next_us) {
+		return;
+	}
+	told = stats.failures;
+	next_us = now_us + MAVLINK_NOTICE_GAP_US;
+	snprintk(text, sizeof(text), "Settings can't be stored: error %d", stats.last_error);
+	mavlink_endpoint_text(&endpoint, now_us, 3 /* MAV_SEVERITY_ERROR */, text);
+}
+
 void mavlink_node_step(struct command *command)
 {
 	const int64_t now_us = clock_now_us();
 
+	tell_storage_failure(now_us);
 	while (mavlink_endpoint_deadline_us(&endpoint) <= now_us) {
 		mavlink_endpoint_step(&endpoint, now_us, &out);
 		perform(command);

@@ -9,6 +9,7 @@
 #include <zephyr/settings/settings.h>
 #include <zephyr/sys/printk.h>
 
+#include "threads/command.h"
 #include "threads/firmware.h"
 
 LOG_MODULE_REGISTER(storage);
@@ -211,6 +212,7 @@ static void write_value(const char *name, const void *value, size_t length)
 		stats.failures++;
 		stats.last_error = error;
 		LOG_ERR("cannot write %s: error %d", name, error);
+		command_wake(); /* it tells people */
 	}
 }
 

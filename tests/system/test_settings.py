@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from harness import ACCEPTED, CONSOLE, DENIED, WIRES, Light, Shell, light_on
+from harness import ACCEPTED, CONSOLE, DENIED, WIRES, Light, Shell, light_on, texts
+from parameters import get_param, set_param
 from pharos import Simulator
 
 OLD, NEW = 10_000, 50_000  # of STRB_MIN_US: its default, and what is set
@@ -81,6 +82,58 @@ def test_power_cut_at_any_byte_of_a_write_leaves_the_old_or_the_new(
     light.sim.reset()
     light.greet()
     assert _value(shell, "STRB_MIN_US") == 70_000
+
+
+def test_power_cut_at_any_byte_of_any_write_of_parameters_set_over_mavlink(
+    start: Callable[..., Simulator],
+) -> None:
+    """Each round sets three parameters, and cuts one byte later than the last, until nothing is
+    cut any more; what a torn write leaves behind is tidied up in the next round's first write. What
+    is read is what held after one of the sets, in their order: none is half there, and none without
+    those before it."""
+    names = ("LGT_LOSS_MS", "SYNC_PULSE_US", "THR_STUCK_MS")
+    light = light_on(start({"uart0": WIRES["udp"]}))  # settings in memory, which resets leave
+
+    def stored() -> tuple[int, ...]:
+        return tuple(get_param(light, name) for name in names)
+
+    kept: list[int] = []
+    for cut in range(500):
+        history = [stored()]
+        light.sim.fault("storage", "torn", byte=cut)
+        for at, name in enumerate(names):
+            value = 5_000 * (at + 1) + cut
+            assert set_param(light, name, value) == value
+            light.sim.advance(100_000)
+            now = list(history[-1])
+            now[at] = value
+            history.append(tuple(now))
+        light.sim.request("reset", cause="brownout")
+        light.greet()
+        assert stored() in history, f"cut after {cut} bytes"
+        kept.append(history.index(stored()))
+        if kept[-3:] == [3, 3, 3]:
+            break
+    # The cut moved through all three writes, and past them.
+    assert kept[0] == 0
+    assert set(kept) == {0, 1, 2, 3}
+    assert kept[-1] == 3
+
+
+def test_people_are_told_when_settings_cannot_be_stored(
+    boot: Callable[[], tuple[Light, Shell]],
+) -> None:
+    light, _ = boot()
+    light.sim.fault("storage", "torn", byte=0)
+    light.mav.drain()
+    light.mav.inbox.clear()
+    assert set_param(light, "STRB_MIN_US", NEW) == NEW
+    assert [t for t in texts(light.mav.pass_time(1_000_000)) if "stored" in t] == [
+        "Settings can't be stored: error -5"  # EIO
+    ]
+    set_param(light, "STRB_MIN_US", 2 * NEW)  # again within ten seconds: no news
+    assert not [t for t in texts(light.mav.pass_time(1_000_000)) if "stored" in t]
+    assert light.status().min_strobe_period == pytest.approx(0.1)
 
 
 def test_lamp_stays_dark_after_a_reset_unless_it_shall_be_restored(
