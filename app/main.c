@@ -18,6 +18,10 @@
 #include "threads/uart_link.h"
 #include "version.h"
 
+#ifdef CONFIG_PHAROS_IMC_DATAGRAMS
+#include "threads/imc_link.h"
+#endif
+
 LOG_MODULE_REGISTER(pharos);
 
 struct thread_row {
@@ -53,6 +57,9 @@ LISTIFY(UART_LINKS_MAX, UART_LINK_THREAD, (;));
 #ifdef CONFIG_CAN
 THREAD(can_link, CONFIG_PHAROS_LINK_STACK_SIZE);
 #endif
+#ifdef CONFIG_PHAROS_IMC_DATAGRAMS
+THREAD(imc_link, CONFIG_PHAROS_LINK_STACK_SIZE);
+#endif
 THREAD(storage, CONFIG_PHAROS_STORAGE_STACK_SIZE);
 
 static const struct thread_row threads[] = {
@@ -60,6 +67,9 @@ static const struct thread_row threads[] = {
 	ROW(command, 3, command_run, NULL),       LISTIFY(UART_LINKS_MAX, UART_LINK_ROW, (, )),
 #ifdef CONFIG_CAN
 	ROW(can_link, 4, can_link_run, NULL),
+#endif
+#ifdef CONFIG_PHAROS_IMC_DATAGRAMS
+	ROW(imc_link, 4, imc_link_run, NULL),
 #endif
 	ROW(storage, 10, storage_run, NULL),
 };
@@ -82,7 +92,6 @@ int main(void)
 	if (devices_check() != 0) {
 		return 0; /* dark and silent: a lamp without its sensor or watchdog never lights */
 	}
-	uart_links_init();
 	command_init();
 
 	const int error = supervisor_init();

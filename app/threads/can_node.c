@@ -197,33 +197,6 @@ void can_node_init(struct command *command)
 
 /* --- commands for the lamp -------------------------------------------------------------------- */
 
-/* Whether the illuminator would take all of them now. */
-static bool would_accept(const struct command *command, const struct dronecan_lights_action *action)
-{
-	struct illuminator trial = command->illuminator;
-	struct illuminator_outbox ignored;
-	bool accepted = true;
-
-	for (uint8_t i = 0; i < action->events_count && accepted; i++) {
-		accepted = illuminator_step(&trial, clock_now_us(), &action->events[i], &ignored) ==
-		           ILLUMINATOR_ACCEPTED;
-	}
-	return accepted;
-}
-
-static bool apply_all(struct command *command, const struct dronecan_lights_action *action)
-{
-	bool applied = would_accept(command, action);
-
-	for (uint8_t i = 0; i < action->events_count && applied; i++) {
-		enum illuminator_result result;
-
-		applied = command_apply(command, ARBITER_SOURCE_DRONECAN, &action->events[i],
-		                        &result) == ARBITER_GRANTED;
-	}
-	return applied;
-}
-
 /* A repetition takes the light from nobody, but says that its sender is there. */
 static void command_lamp(struct command *command, const struct dronecan_lights_action *action)
 {
@@ -235,7 +208,8 @@ static void command_lamp(struct command *command, const struct dronecan_lights_a
 		arbiter_heard(&command->arbiter, clock_now_us(), ARBITER_SOURCE_DRONECAN);
 		return;
 	}
-	if (apply_all(command, action)) {
+	if (command_apply_all(command, ARBITER_SOURCE_DRONECAN, action->events,
+	                      action->events_count)) {
 		stats.applied++;
 	} else {
 		stats.refused++;
@@ -472,7 +446,7 @@ int can_node_tunnel_stats(uint8_t channel, struct link_stats *copy)
 	const unsigned int key = irq_lock();
 
 	*copy = tunnels[channel].stats;
-	copy->framer = tunnels[channel].framer.stats;
+	copy->framing = link_framing_of(&tunnels[channel].framer.stats);
 	irq_unlock(key);
 	return active ? 0 : -ENODEV;
 }

@@ -13,17 +13,20 @@
 #include "threads/can_node.h"
 #include "threads/clock.h"
 #include "threads/devices.h"
+#include "threads/imc_node.h"
 #include "threads/mavlink_node.h"
 #include "threads/storage.h"
 #include "threads/strobe.h"
 #include "threads/supervisor.h"
 #include "threads/thermal.h"
+#include "threads/uart_link.h"
 
 LOG_MODULE_REGISTER(command);
 
 enum item_kind {
 	ITEM_FRAME,
 	ITEM_CAN,
+	ITEM_IMC,
 	ITEM_THERMAL,
 	ITEM_CALL,
 	ITEM_WAKE,
@@ -42,6 +45,7 @@ struct item {
 	union {
 		struct link_frame *frame;
 		struct dronecan_frame *can;
+		struct imc_frame *imc;
 		struct thermal_report thermal;
 		struct call *call;
 	};
@@ -101,6 +105,7 @@ void command_perform(const struct illuminator_outbox *actions)
 		}
 	}
 	can_node_report(&command.illuminator);
+	imc_node_report(&command.illuminator);
 }
 
 /* A step of the core on behalf of anyone but MAVLink. */
@@ -130,6 +135,33 @@ enum arbiter_verdict command_apply(struct command *self, enum arbiter_source sou
 		}
 	}
 	return verdict;
+}
+
+/* Whether the illuminator would take all of them now. */
+static bool would_accept(const struct illuminator_event *events, size_t count)
+{
+	struct illuminator trial = command.illuminator;
+	struct illuminator_outbox ignored;
+	bool accepted = true;
+
+	for (size_t i = 0; i < count && accepted; i++) {
+		accepted = illuminator_step(&trial, clock_now_us(), &events[i], &ignored) ==
+		           ILLUMINATOR_ACCEPTED;
+	}
+	return accepted;
+}
+
+bool command_apply_all(struct command *self, enum arbiter_source source,
+                       const struct illuminator_event *events, size_t count)
+{
+	bool applied = would_accept(events, count);
+
+	for (size_t i = 0; i < count && applied; i++) {
+		enum illuminator_result result;
+
+		applied = command_apply(self, source, &events[i], &result) == ARBITER_GRANTED;
+	}
+	return applied;
 }
 
 /* --- parameters ------------------------------------------------------------------------------- */
@@ -250,8 +282,10 @@ void command_init(void)
 	if (strobe_timer_init(&sync) != 0) {
 		LOG_ERR("the sync input does not work; external sync will time out");
 	}
+	uart_links_init(&command.params);
 	mavlink_node_init(&command);
 	can_node_init(&command);
+	imc_node_start(&command);
 	show_settings();
 	if (has_light && command.params.values[PARAM_LGT_RESTORE] != 0) {
 		restore(&light);
@@ -270,6 +304,13 @@ int command_post_frame(struct link_frame *frame)
 int command_post_can(struct dronecan_frame *frame)
 {
 	const struct item item = {.kind = ITEM_CAN, .can = frame};
+
+	return k_msgq_put(&queue, &item, K_MSEC(SUPERVISOR_REPORT_MS));
+}
+
+int command_post_imc(struct imc_frame *frame)
+{
+	const struct item item = {.kind = ITEM_IMC, .imc = frame};
 
 	return k_msgq_put(&queue, &item, K_MSEC(SUPERVISOR_REPORT_MS));
 }
@@ -335,6 +376,10 @@ static void take(const struct item *item)
 		stats.can_frames++;
 		can_node_take(&command, item->can);
 		break;
+	case ITEM_IMC:
+		stats.imc_packets++;
+		imc_node_take(&command, item->imc);
+		break;
 	case ITEM_THERMAL:
 		take_thermal(&item->thermal);
 		break;
@@ -375,7 +420,8 @@ void command_run(void *p1, void *p2, void *p3)
 	for (;;) {
 		const int64_t core_us =
 			MIN(arbiter_deadline_us(&command.arbiter), mavlink_node_deadline_us());
-		const int64_t deadline_us = MIN(core_us, can_node_deadline_us());
+		const int64_t node_us = MIN(can_node_deadline_us(), imc_node_due_us());
+		const int64_t deadline_us = MIN(core_us, node_us);
 		const int64_t report_us = clock_now_us() + SUPERVISOR_REPORT_MS * US_PER_MS;
 		struct item item;
 
@@ -386,6 +432,7 @@ void command_run(void *p1, void *p2, void *p3)
 		show_commander();
 		mavlink_node_step(&command);
 		can_node_step(&command);
+		imc_node_poll(&command);
 		supervisor_report(SUPERVISOR_COMMAND);
 	}
 }

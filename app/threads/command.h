@@ -16,6 +16,7 @@
 #include "threads/link.h"
 
 struct dronecan_frame;
+struct imc_frame;
 
 /* What the command thread owns. Only a function given to command_call() may touch it. */
 struct command {
@@ -27,6 +28,7 @@ struct command {
 struct command_stats {
 	uint32_t frames;
 	uint32_t can_frames;
+	uint32_t imc_packets;
 	uint32_t thermal_reports;
 	uint32_t calls;
 	uint32_t reports_dropped; /* the queue was full: the next report comes in 100 ms */
@@ -43,6 +45,9 @@ int command_post_frame(struct link_frame *frame);
 
 /* The same with a CAN frame of the CAN thread's pool. */
 int command_post_can(struct dronecan_frame *frame);
+
+/* The same with a packet of IMC's pool. */
+int command_post_imc(struct imc_frame *frame);
 
 /* Something that the command thread waits for may have happened: it looks. Any context. */
 void command_wake(void);
@@ -63,6 +68,10 @@ int command_call(int (*function)(struct command *command, void *argument), void 
 enum arbiter_verdict command_apply(struct command *command, enum arbiter_source source,
                                    const struct illuminator_event *event,
                                    enum illuminator_result *result);
+
+/* The same with several events, all or none: false when one is refused, by whomever. */
+bool command_apply_all(struct command *command, enum arbiter_source source,
+                       const struct illuminator_event *events, size_t count);
 
 /*
  * From functions that run in the command thread: change a parameter, tell those concerned, store

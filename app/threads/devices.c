@@ -32,6 +32,8 @@ const struct devices devices = {
 	.probe = DEVICE_DT_GET_OR_NULL(DT_ALIAS(probe0)),
 	.can_link = CAN_LINK,
 	.edge_time = DEVICE_DT_GET_OR_NULL(DT_ALIAS(edge_time0)),
+	.imc_datagrams = DEVICE_DT_GET_OR_NULL(DT_ALIAS(imc_datagrams0)),
+	.strap = DEVICE_DT_GET_OR_NULL(DT_ALIAS(strap0)),
 	.uart_links = {LISTIFY(UART_LINKS_MAX, UART_LINK, (, ))},
 	.sync_input = GPIO_DT_SPEC_GET_OR(DT_ALIAS(sync_input), gpios, {0}),
 	.button = GPIO_DT_SPEC_GET_OR(DT_ALIAS(button0), gpios, {0}),
@@ -64,6 +66,7 @@ int devices_check(void)
 	const struct device *const all[] = {
 		devices.light, devices.thermistor,      devices.watchdog,
 		devices.probe, devices.sync_input.port, devices.can_link,
+		devices.strap, devices.imc_datagrams,
 	};
 	int error = 0;
 

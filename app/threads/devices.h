@@ -19,6 +19,8 @@ struct devices {
 	const struct device *uart_links[UART_LINKS_MAX]; /* NULL: not on this board */
 	const struct device *can_link;                   /* NULL: the board has none */
 	const struct device *edge_time;                  /* NULL: the board has none */
+	const struct device *imc_datagrams;              /* NULL: the board has none */
+	const struct device *strap;                      /* NULL: the board has none */
 	struct gpio_dt_spec sync_input;                  /* .port NULL: not on this board */
 	struct gpio_dt_spec button;                      /* the same */
 	struct gpio_dt_spec driver_fault;                /* the same */

@@ -7,7 +7,6 @@
 #include <zephyr/sys/util.h>
 
 #include "threads/can_node.h"
-#include "threads/devices.h"
 #include "threads/uart_link.h"
 
 int link_send(uint8_t link, const uint8_t *frame, size_t length)
@@ -52,7 +51,7 @@ uint32_t link_mask(void)
 	uint32_t mask = 0;
 
 	for (uint8_t link = 0; link < UART_LINKS_MAX; link++) {
-		mask |= devices.uart_links[link] != NULL ? BIT(link) : 0;
+		mask |= uart_link_protocol(link) == UART_PROTOCOL_MAVLINK ? BIT(link) : 0;
 	}
 	return mask;
 }

@@ -24,6 +24,13 @@ struct link_frame {
 	uint8_t bytes[MAVLINK_FRAME_MAX];
 };
 
+/* What did not become a frame. */
+struct link_framing_stats {
+	uint32_t crc_errors;
+	uint32_t resyncs;
+	uint32_t skipped_bytes;
+};
+
 struct link_stats {
 	uint32_t rx_bytes;
 	uint32_t rx_frames;
@@ -34,8 +41,17 @@ struct link_stats {
 	uint32_t tx_dropped; /* frames refused because the queue was full */
 	uint32_t forwarded;  /* of others; counted in tx_frames as well once they are sent */
 	uint32_t forward_dropped;
-	struct mavlink_framer_stats framer;
+	struct link_framing_stats framing;
 };
+
+static inline struct link_framing_stats link_framing_of(const struct mavlink_framer_stats *framer)
+{
+	return (struct link_framing_stats){
+		.crc_errors = framer->crc_errors,
+		.resyncs = framer->resyncs,
+		.skipped_bytes = framer->skipped_bytes,
+	};
+}
 
 /*
  * frame: 1…MAVLINK_FRAME_MAX bytes, sent as one write. Command thread only. 0; -ENODEV: no such
@@ -51,7 +67,7 @@ void link_set_opaque(bool opaque);
 /* Any thread. */
 bool link_is_opaque(void);
 
-/* Bit per link that is always there: the UARTs of this board. Tunnels come and go. */
+/* Bit per link that is always there: this board's UARTs that speak MAVLink. Tunnels come and go. */
 uint32_t link_mask(void);
 
 /* Bytes a second that a link carries; 0: not known. */

@@ -280,7 +280,7 @@ static void print_link(const struct shell *sh, uint8_t link)
 	            "%-7s rx %u frames, %u bytes; overruns %u, line errors %u, bad frames %u, "
 	            "skipped bytes %u",
 	            link_name(link), stats.rx_frames, stats.rx_bytes, stats.rx_overruns,
-	            stats.rx_errors, stats.framer.crc_errors, stats.framer.skipped_bytes);
+	            stats.rx_errors, stats.framing.crc_errors, stats.framing.skipped_bytes);
 	shell_print(sh, "%-7s tx %u frames, %u bytes; dropped %u; forwarded %u, dropped %u", "",
 	            stats.tx_frames, stats.tx_bytes, stats.tx_dropped, stats.forwarded,
 	            stats.forward_dropped);

@@ -20,7 +20,7 @@ static const char *const names[SUPERVISOR_WATCHES] = {
 	[SUPERVISOR_THERMAL] = "thermal",       [SUPERVISOR_COMMAND] = "command",
 	[SUPERVISOR_UART_LINK0] = "uart_link0", [SUPERVISOR_UART_LINK1] = "uart_link1",
 	[SUPERVISOR_UART_LINK2] = "uart_link2", [SUPERVISOR_UART_LINK3] = "uart_link3",
-	[SUPERVISOR_CAN_LINK] = "can_link",
+	[SUPERVISOR_CAN_LINK] = "can_link",     [SUPERVISOR_IMC_LINK] = "imc_link",
 };
 
 const char *supervisor_name(enum supervisor_watch watch)

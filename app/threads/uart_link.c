@@ -9,15 +9,22 @@
 #include <zephyr/sys/ring_buffer.h>
 
 #include <pharos/compat.h>
+#include <pharos/drivers/strap.h>
 
 #include "threads/command.h"
 #include "threads/devices.h"
 #include "threads/link.h"
 #include "threads/supervisor.h"
 
+#ifdef CONFIG_PHAROS_IMC
+#include "proto/imc/stream.h"
+#include "threads/imc_link.h"
+#endif
+
 #define BITS_PER_BYTE 10u /* start, 8 data, stop */
 
 struct uart_link {
+	enum uart_protocol protocol;
 	struct ring_buf rx; /* the interrupt puts, the thread takes */
 	struct ring_buf
 		tx; /* the command thread puts frames with their length, the interrupt takes */
@@ -26,11 +33,16 @@ struct uart_link {
 #endif
 	struct k_sem rx_ready;
 	bool rx_stopped;
-	struct mavlink_framer framer;
+	union {
+		struct mavlink_framer mavlink;
+#ifdef CONFIG_PHAROS_IMC
+		struct imc_stream imc;
+#endif
+	};
 	struct link_stats stats;
 	uint16_t sending_length; /* the frame that the interrupt is sending; 0: none */
 	uint16_t sending_at;
-	uint8_t sending[MAVLINK_FRAME_MAX];
+	uint8_t sending[UART_FRAME_MAX];
 	uint8_t rx_bytes[UART_RX_RING_SIZE];
 	uint8_t tx_bytes[UART_TX_RING_SIZE];
 #ifdef CONFIG_PHAROS_ROUTING
@@ -163,6 +175,27 @@ int uart_link_send(uint8_t number, const uint8_t *frame, size_t length)
 	return 0;
 }
 
+enum uart_protocol uart_link_protocol(uint8_t number)
+{
+	const struct uart_link *const link = find(number);
+
+	return link != NULL ? link->protocol : UART_PROTOCOL_NONE;
+}
+
+static struct link_framing_stats framing(const struct uart_link *link)
+{
+#ifdef CONFIG_PHAROS_IMC
+	if (link->protocol == UART_PROTOCOL_IMC) {
+		return (struct link_framing_stats){
+			.crc_errors = link->imc.stats.checksum_errors,
+			.resyncs = link->imc.stats.resyncs,
+			.skipped_bytes = link->imc.stats.skipped_bytes,
+		};
+	}
+#endif
+	return link_framing_of(&link->mavlink.stats);
+}
+
 uint32_t uart_link_rate(uint8_t number)
 {
 	struct uart_config config;
@@ -200,7 +233,7 @@ int uart_link_stats_get(uint8_t number, struct link_stats *stats)
 	const unsigned int key = irq_lock();
 
 	*stats = link->stats;
-	stats->framer = link->framer.stats;
+	stats->framing = framing(link);
 	irq_unlock(key);
 	return 0;
 }
@@ -210,7 +243,7 @@ void link_frame_free(struct link_frame *frame)
 	k_mem_slab_free(&frame_pool, (void *)frame);
 }
 
-/* --- thread ----------------------------------------------------------------------------------- */
+/* --- MAVLink ---------------------------------------------------------------------------------- */
 
 /* To the command thread, which takes it before this one goes on; waits while it is behind. */
 static void post(uint8_t number, struct uart_link *link, const struct mavlink_frame *received)
@@ -235,24 +268,117 @@ static void post_all(uint8_t number, struct uart_link *link)
 {
 	struct mavlink_frame frame;
 
-	while (mavlink_framer_next(&link->framer, &frame)) {
+	while (mavlink_framer_next(&link->mavlink, &frame)) {
 		post(number, link, &frame);
 	}
 }
 
-/* All bytes of the ring through the framer; room in the ring resumes reception. */
+static void take_mavlink(uint8_t number, struct uart_link *link, const uint8_t *bytes, size_t count)
+{
+	link->mavlink.opaque = link_is_opaque();
+	for (size_t used = 0; used < count;) {
+		used += mavlink_framer_write(&link->mavlink, bytes + used, count - used);
+		post_all(number, link);
+	}
+}
+
+static void idle_mavlink(uint8_t number, struct uart_link *link)
+{
+	struct mavlink_frame frame;
+
+	while (mavlink_framer_idle(&link->mavlink, &frame)) {
+		post(number, link, &frame);
+		post_all(number, link);
+	}
+}
+
+/* --- IMC -------------------------------------------------------------------------------------- */
+
+#ifdef CONFIG_PHAROS_IMC
+
+_Static_assert(MAVLINK_FRAMER_IDLE_US == IMC_STREAM_IDLE_US, "one wait does for both");
+
+static void post_packet(uint8_t number, struct uart_link *link,
+                        const struct imc_stream_packet *packet)
+{
+	const struct imc_route route = {.link = number};
+
+	link->stats.rx_frames++;
+	imc_link_post(&route, packet->bytes, packet->length, SUPERVISOR_UART_LINK0 + number);
+}
+
+static void post_packets(uint8_t number, struct uart_link *link)
+{
+	struct imc_stream_packet packet;
+
+	while (imc_stream_next(&link->imc, &packet)) {
+		post_packet(number, link, &packet);
+	}
+}
+
+static void take_imc(uint8_t number, struct uart_link *link, const uint8_t *bytes, size_t count)
+{
+	for (size_t used = 0; used < count;) {
+		used += imc_stream_write(&link->imc, bytes + used, count - used);
+		post_packets(number, link);
+	}
+}
+
+static void idle_imc(uint8_t number, struct uart_link *link)
+{
+	struct imc_stream_packet packet;
+
+	while (imc_stream_idle(&link->imc, &packet)) {
+		post_packet(number, link, &packet);
+		post_packets(number, link);
+	}
+}
+
+#endif
+
+/* --- either ----------------------------------------------------------------------------------- */
+
+static void take_bytes(uint8_t number, struct uart_link *link, const uint8_t *bytes, size_t count)
+{
+#ifdef CONFIG_PHAROS_IMC
+	if (link->protocol == UART_PROTOCOL_IMC) {
+		take_imc(number, link, bytes, count);
+		return;
+	}
+#endif
+	take_mavlink(number, link, bytes, count);
+}
+
+static bool pending(const struct uart_link *link)
+{
+#ifdef CONFIG_PHAROS_IMC
+	if (link->protocol == UART_PROTOCOL_IMC) {
+		return imc_stream_pending(&link->imc);
+	}
+#endif
+	return mavlink_framer_pending(&link->mavlink);
+}
+
+/* The line is silent: an unfinished frame was perhaps none, and hides good ones. */
+static void idle(uint8_t number, struct uart_link *link)
+{
+#ifdef CONFIG_PHAROS_IMC
+	if (link->protocol == UART_PROTOCOL_IMC) {
+		idle_imc(number, link);
+		return;
+	}
+#endif
+	idle_mavlink(number, link);
+}
+
+/* All bytes of the ring through the framing; room in the ring resumes reception. */
 static void drain(uint8_t number, struct uart_link *link)
 {
 	uint8_t *from;
 	uint32_t count;
 
-	link->framer.opaque = link_is_opaque();
 	while ((count = ring_buf_get_claim(&link->rx, &from, UART_RX_RING_SIZE)) > 0) {
-		for (uint32_t used = 0; used < count;) {
-			used += (uint32_t)mavlink_framer_write(&link->framer, from + used,
-			                                       count - used);
-			post_all(number, link);
-		}
+		take_bytes(number, link, from, count);
 		ring_buf_get_finish(&link->rx, count);
 		if (link->rx_stopped) {
 			link->rx_stopped = false;
@@ -261,18 +387,35 @@ static void drain(uint8_t number, struct uart_link *link)
 	}
 }
 
-/* The line is silent: an unfinished frame was perhaps none, and hides good ones. */
-static void idle(uint8_t number, struct uart_link *link)
-{
-	struct mavlink_frame frame;
+/* --- start and thread ------------------------------------------------------------------------- */
 
-	while (mavlink_framer_idle(&link->framer, &frame)) {
-		post(number, link, &frame);
-		post_all(number, link);
+#ifdef CONFIG_PHAROS_IMC
+
+static void init_framing(struct uart_link *link, uint8_t number, const struct params *params)
+{
+	const int strap = strap_get(devices.strap, (enum strap)(STRAP_UART0_PROTOCOL + number));
+	const int32_t chosen =
+		strap != STRAP_OPEN ? strap : params->values[PARAM_UART0_PROTO + number];
+
+	link->protocol = (enum uart_protocol)chosen;
+	if (link->protocol == UART_PROTOCOL_IMC) {
+		imc_stream_init(&link->imc);
+	} else {
+		mavlink_framer_init(&link->mavlink);
 	}
 }
 
-void uart_links_init(void)
+#else
+
+static void init_framing(struct uart_link *link, uint8_t number, const struct params *params)
+{
+	link->protocol = UART_PROTOCOL_MAVLINK;
+	mavlink_framer_init(&link->mavlink);
+}
+
+#endif
+
+void uart_links_init(const struct params *params)
 {
 	for (uint8_t number = 0; number < UART_LINKS_MAX; number++) {
 		struct uart_link *const link = &links[number];
@@ -287,7 +430,7 @@ void uart_links_init(void)
 		ring_buf_init(&link->forward, sizeof(link->forward_bytes), link->forward_bytes);
 #endif
 		k_sem_init(&link->rx_ready, 0, 1);
-		mavlink_framer_init(&link->framer);
+		init_framing(link, number, params);
 		uart_irq_callback_user_data_set(uart, uart_interrupt, link);
 		uart_irq_rx_enable(uart);
 	}
@@ -302,14 +445,14 @@ void uart_link_run(void *argument, void *p2, void *p3)
 		return;
 	}
 	for (;;) {
-		const bool pending = mavlink_framer_pending(&link->framer);
+		const bool unfinished = pending(link);
 		const k_timeout_t wait =
-			pending ? K_USEC(MAVLINK_FRAMER_IDLE_US) : K_MSEC(SUPERVISOR_REPORT_MS);
+			unfinished ? K_USEC(MAVLINK_FRAMER_IDLE_US) : K_MSEC(SUPERVISOR_REPORT_MS);
 
 		supervisor_report(SUPERVISOR_UART_LINK0 + number);
 		if (k_sem_take(&link->rx_ready, wait) == 0) {
 			drain(number, link);
-		} else if (pending) {
+		} else if (unfinished) {
 			idle(number, link);
 		}
 	}

@@ -103,6 +103,7 @@ add_subdirectory(drivers/gpio_libgpiod)
 add_subdirectory(drivers/can_host)
 add_subdirectory(drivers/can_udp)
 add_subdirectory(drivers/can_socketcan)
+add_subdirectory(drivers/imc_udp)
 
 add_executable(app)
 set_target_properties(app PROPERTIES

@@ -19,14 +19,17 @@ struct port {
 	const char *fallback; /* when the option is not given */
 	uint32_t baud;
 	bool paced;
+	int protocol;
 };
 
+static struct port *last_parsed; /* what --protocol is about */
+
 static struct port ports[] = {
-	{.wire = {.name = "uart0"}, .fallback = "none"},
-	{.wire = {.name = "uart1"}, .fallback = "none"},
-	{.wire = {.name = "uart2"}, .fallback = "none"},
-	{.wire = {.name = "uart3"}, .fallback = "none"},
-	{.wire = {.name = "console"}, .fallback = "stdio"},
+	{.wire = {.name = "uart0"}, .fallback = "none", .protocol = UART_HOST_PROTOCOL_OPEN},
+	{.wire = {.name = "uart1"}, .fallback = "none", .protocol = UART_HOST_PROTOCOL_OPEN},
+	{.wire = {.name = "uart2"}, .fallback = "none", .protocol = UART_HOST_PROTOCOL_OPEN},
+	{.wire = {.name = "uart3"}, .fallback = "none", .protocol = UART_HOST_PROTOCOL_OPEN},
+	{.wire = {.name = "console"}, .fallback = "stdio", .protocol = UART_HOST_PROTOCOL_OPEN},
 };
 
 enum {
@@ -91,6 +94,11 @@ bool uart_host_wire_paced(const struct wire *wire)
 	return port_of(wire)->paced;
 }
 
+int uart_host_wire_protocol(const struct wire *wire)
+{
+	return port_of(wire)->protocol;
+}
+
 /* Takes ",paced" or ",baud=N" off the end of url. 1: took one; 0: there is none; -1 with a reason.
  */
 static int parse_suffix(struct port *port, char *url, struct host_error *error)
@@ -140,6 +148,20 @@ static int parse_port(struct port *port, const char *value, struct host_error *e
 	} else if (port->baud == 0) {
 		port->baud = port->paced ? BAUD_PACED : BAUD_UNPACED;
 	}
+	last_parsed = port;
+	return 0;
+}
+
+static int parse_protocol(const char *value, struct host_error *error)
+{
+	if (last_parsed == NULL || strcmp(last_parsed->wire.name, "console") == 0) {
+		return host_error_set(error, "say after --uartN what that UART speaks");
+	}
+	if (strcmp(value, "mavlink") != 0 && strcmp(value, "imc") != 0) {
+		return host_error_set(error, "\"%.40s\" is neither mavlink nor imc", value);
+	}
+	last_parsed->protocol =
+		strcmp(value, "imc") == 0 ? UART_HOST_PROTOCOL_IMC : UART_HOST_PROTOCOL_MAVLINK;
 	return 0;
 }
 
@@ -175,6 +197,10 @@ static const struct host_option options[] = {
 	{"uart1", "WIRE", "the same for the second UART", parse_port_1},
 	{"uart2", "WIRE", "the third", parse_port_2},
 	{"uart3", "WIRE", "the fourth", parse_port_3},
+	{"protocol", "NAME",
+         "what the UART of the option before this one speaks: mavlink or imc;\n"
+         "else its parameter says that (UART0_PROTO, …)",
+         parse_protocol},
 	{"console", "WIRE", "where the console and the shell go (stdio)", parse_port_4},
 	{0},
 };

@@ -35,6 +35,14 @@ uint32_t uart_host_wire_baud(const struct wire *wire);
  * all. */
 int uart_host_wire_set_baud(struct wire *wire, uint32_t baud);
 
+/* The option --protocol, as UART0_PROTO and the like; UART_HOST_PROTOCOL_OPEN: not given. */
+enum {
+	UART_HOST_PROTOCOL_OPEN = -1,
+	UART_HOST_PROTOCOL_MAVLINK = 0,
+	UART_HOST_PROTOCOL_IMC = 1,
+};
+int uart_host_wire_protocol(const struct wire *wire);
+
 /* The option ",paced": bytes take the time that the baud rate gives them. */
 bool uart_host_wire_paced(const struct wire *wire);
 

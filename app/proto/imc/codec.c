@@ -48,8 +48,7 @@ uint16_t imc_checksum(const uint8_t *bytes, size_t length)
 	return (uint16_t)sum;
 }
 
-/* --- reading ------------------------------------------------------------------------------------
- */
+/* --- reading ---------------------------------------------------------------------------------- */
 
 /* A failure sticks: what follows reads zero, and the caller checks once. */
 struct reader {
@@ -245,8 +244,7 @@ enum imc_result imc_decode(const uint8_t *bytes, size_t size, struct imc_packet 
 	return result == IMC_OK ? imc_parse(bytes, packet) : result;
 }
 
-/* --- writing ------------------------------------------------------------------------------------
- */
+/* --- writing ---------------------------------------------------------------------------------- */
 
 /* As the reader. */
 struct writer {
@@ -378,8 +376,7 @@ size_t imc_encode(const struct imc_packet *packet, uint8_t *bytes, size_t room)
 	return writer.failed ? 0 : writer.used;
 }
 
-/* --- lists and texts ----------------------------------------------------------------------------
- */
+/* --- lists and texts -------------------------------------------------------------------------- */
 
 bool imc_parameters_next(struct imc_parameter_list *list, struct imc_entity_parameter *parameter)
 {

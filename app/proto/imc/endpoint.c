@@ -16,8 +16,7 @@ void imc_endpoint_init(struct imc_endpoint *self, int64_t now_us,
 	imc_node_init(&self->node, now_us, &config->node, params);
 }
 
-/* --- who is there -------------------------------------------------------------------------------
- */
+/* --- who is there ----------------------------------------------------------------------------- */
 
 /* Takes a number of at most max off the text. */
 static bool take_number(struct imc_text *text, uint32_t max, uint32_t *number)
@@ -121,8 +120,7 @@ static void note_time(struct imc_endpoint *self, int64_t now_us)
 	}
 }
 
-/* --- packets ------------------------------------------------------------------------------------
- */
+/* --- packets ---------------------------------------------------------------------------------- */
 
 static void begin(struct imc_endpoint *self, int64_t now_us, const struct imc_route *origin,
                   struct imc_outbox *out)

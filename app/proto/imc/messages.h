@@ -66,8 +66,7 @@ enum imc_id {
 #define IMC_DST_ALL    0xFFFFu
 #define IMC_ENTITY_ALL 255u
 
-/* --- entities and the node ----------------------------------------------------------------------
- */
+/* --- entities and the node -------------------------------------------------------------------- */
 
 enum imc_entity_state_state {
 	IMC_ENTITY_STATE_BOOT = 0,
@@ -175,8 +174,7 @@ struct imc_version_info {
 	struct imc_text description;
 };
 
-/* --- actuation ----------------------------------------------------------------------------------
- */
+/* --- actuation -------------------------------------------------------------------------------- */
 
 enum imc_camera_zoom_action {
 	IMC_ZOOM_RESET = 0,
@@ -312,8 +310,7 @@ struct imc_gpio_state_get {
 	struct imc_text name;
 };
 
-/* --- any message --------------------------------------------------------------------------------
- */
+/* --- any message ------------------------------------------------------------------------------ */
 
 /* id tells which member holds. */
 struct imc_message {

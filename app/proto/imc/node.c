@@ -17,8 +17,7 @@ void imc_node_init(struct imc_node *self, int64_t now_us, const struct imc_node_
 	self->announce_us = config->services != NULL ? now_us : TIME_NEVER_US;
 }
 
-/* --- answers ------------------------------------------------------------------------------------
- */
+/* --- answers ---------------------------------------------------------------------------------- */
 
 static struct imc_message state_of(const struct imc_node *self, enum imc_entity entity)
 {
@@ -177,8 +176,7 @@ void imc_node_receive(struct imc_node *self, int64_t now_us, const struct imc_pa
 	}
 }
 
-/* --- on its own ---------------------------------------------------------------------------------
- */
+/* --- on its own ------------------------------------------------------------------------------- */
 
 static void send_heartbeat(const struct imc_route *route, uint16_t dst, struct imc_outbox *out)
 {

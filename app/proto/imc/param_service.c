@@ -6,8 +6,7 @@
 /* "-2147483648" */
 #define NUMBER_MAX 11
 
-/* --- numbers as text ----------------------------------------------------------------------------
- */
+/* --- numbers as text -------------------------------------------------------------------------- */
 
 /* The text of a number, at the end of the buffer; its length. */
 static struct imc_text print(char buffer[NUMBER_MAX], int32_t value)
@@ -61,8 +60,7 @@ static bool parse(const struct imc_text *text, int32_t *value)
 	return true;
 }
 
-/* --- messages -----------------------------------------------------------------------------------
- */
+/* --- messages --------------------------------------------------------------------------------- */
 
 /* By name, or without one the entity that the header means. IMC_ENTITY_COUNT: none. */
 static enum imc_entity find_entity(const struct imc_packet *packet, const struct imc_text *name)

@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "threads/imc_link.h"
+
+#include <string.h>
+
+#include <zephyr/kernel.h>
+
+#include <pharos/compat.h>
+#include <pharos/drivers/datagram.h>
+
+#include "threads/command.h"
+#include "threads/devices.h"
+#include "threads/uart_link.h"
+
+K_MEM_SLAB_DEFINE_STATIC(frame_pool, ROUND_UP(sizeof(struct imc_frame), 8), IMC_FRAMES_MAX, 8);
+K_SEM_DEFINE(rx_ready, 0, 1);
+
+static struct imc_link_stats stats;
+
+void imc_link_post(const struct imc_route *route, const uint8_t *bytes, size_t length,
+                   enum supervisor_watch watch)
+{
+	void *block;
+
+	while (k_mem_slab_alloc(&frame_pool, &block, K_MSEC(SUPERVISOR_REPORT_MS)) != 0) {
+		supervisor_report(watch);
+	}
+	struct imc_frame *const frame = block;
+
+	frame->route = *route;
+	frame->length = (uint16_t)length;
+	memcpy(frame->bytes, bytes, length);
+	while (command_post_imc(frame) != 0) {
+		supervisor_report(watch);
+	}
+}
+
+void imc_link_frame_free(struct imc_frame *frame)
+{
+	k_mem_slab_free(&frame_pool, (void *)frame);
+}
+
+static void count_sent(int error)
+{
+	if (error == 0) {
+		stats.tx_datagrams++;
+	} else {
+		stats.tx_failed++;
+	}
+}
+
+void imc_link_send(const struct imc_route *route, const uint8_t *bytes, size_t length)
+{
+	const struct datagram_address to = {.ipv4 = route->address, .port = route->port};
+
+	if (route->link < UART_LINKS_MAX) {
+		(void)uart_link_send(route->link, bytes, length);
+	} else if (devices.imc_datagrams != NULL) {
+		count_sent(datagram_send(devices.imc_datagrams, &to, bytes, length));
+	}
+}
+
+void imc_link_announce(int32_t scope, const uint8_t *bytes, size_t length)
+{
+	if (devices.imc_datagrams != NULL) {
+		count_sent(datagram_announce(devices.imc_datagrams, (enum datagram_scope)scope,
+		                             bytes, length));
+	}
+}
+
+struct imc_link_stats imc_link_stats_get(void)
+{
+	const unsigned int key = irq_lock();
+	const struct imc_link_stats copy = stats;
+
+	irq_unlock(key);
+	return copy;
+}
+
+/* --- thread ----------------------------------------------------------------------------------- */
+
+static void on_datagrams(const struct device *dev, void *user_data)
+{
+	k_sem_give(&rx_ready);
+}
+
+/* Until there are no more. A datagram is one packet. */
+static void drain(void)
+{
+	static uint8_t bytes[IMC_PACKET_MAX];
+	struct datagram_address from;
+	int size;
+
+	while ((size = datagram_receive(devices.imc_datagrams, &from, bytes, sizeof(bytes))) >= 0) {
+		const struct imc_route route = {
+			.link = IMC_LINK_DATAGRAMS,
+			.port = from.port,
+			.address = from.ipv4,
+		};
+		size_t length;
+
+		stats.rx_datagrams++;
+		if (imc_verify(bytes, (size_t)size, &length) == IMC_OK) {
+			imc_link_post(&route, bytes, length, SUPERVISOR_IMC_LINK);
+		} else {
+			stats.rx_malformed++;
+		}
+	}
+}
+
+void imc_link_run(void *p1, void *p2, void *p3)
+{
+	if (devices.imc_datagrams == NULL) {
+		return;
+	}
+	datagram_callback_set(devices.imc_datagrams, on_datagrams, NULL);
+	for (;;) {
+		drain();
+		supervisor_report(SUPERVISOR_IMC_LINK);
+		(void)k_sem_take(&rx_ready, K_MSEC(SUPERVISOR_REPORT_MS));
+	}
+}

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Links that carry IMC packets and know no meaning: UARTs that are set to IMC, and datagrams where
+ * the board has them. A received packet goes to the command thread in a buffer of the pool.
+ */
+#ifndef PHAROS_THREADS_IMC_LINK_H
+#define PHAROS_THREADS_IMC_LINK_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "proto/imc/outbox.h"
+#include "threads/limits.h"
+#include "threads/supervisor.h"
+
+/* The number of the datagram link, behind the UARTs. */
+#define IMC_LINK_DATAGRAMS UART_LINKS_MAX
+
+struct imc_frame {
+	struct imc_route route;
+	uint16_t length;
+	uint8_t bytes[IMC_PACKET_MAX];
+};
+
+struct imc_link_stats {
+	uint32_t rx_datagrams;
+	uint32_t rx_malformed; /* datagrams that are no packet */
+	uint32_t tx_datagrams;
+	uint32_t tx_failed;
+};
+
+/*
+ * A verified packet for the command thread; waits while that is behind, and reports to the
+ * supervisor meanwhile. Link threads.
+ */
+void imc_link_post(const struct imc_route *route, const uint8_t *bytes, size_t length,
+                   enum supervisor_watch watch);
+
+/* Gives a received packet's buffer back to the pool. Command thread. */
+void imc_link_frame_free(struct imc_frame *frame);
+
+/* What finds no room or no network is counted by the link. Command thread. */
+void imc_link_send(const struct imc_route *route, const uint8_t *bytes, size_t length);
+
+/* To everyone within scope: IMC_ANNOUNCE. Command thread. */
+void imc_link_announce(int32_t scope, const uint8_t *bytes, size_t length);
+
+/* Of the datagram link. Any thread. */
+struct imc_link_stats imc_link_stats_get(void);
+
+/* Thread entry. Returns at once when the board has no datagrams. */
+void imc_link_run(void *, void *, void *);
+
+#endif

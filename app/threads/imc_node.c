@@ -1,0 +1,147 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "threads/imc_node.h"
+
+#include <zephyr/kernel.h>
+#include <zephyr/sys/printk.h>
+
+#include <pharos/drivers/datagram.h>
+
+#include "proto/imc/endpoint.h"
+#include "threads/clock.h"
+#include "threads/devices.h"
+#include "threads/imc_link.h"
+#include "threads/uart_link.h"
+#include "version.h"
+
+#define SERVICES "imc+info://0.0.0.0/version/5.4.31;imc+udp://%u.%u.%u.%u:%u/"
+
+static struct imc_endpoint endpoint;
+static struct imc_outbox out;
+static bool active;
+
+/* How others reach us; NULL: no datagrams, nothing to announce. */
+static const char *services(void)
+{
+	static char text[sizeof(SERVICES) + 5 * sizeof("65535")];
+	struct datagram_address own;
+
+	if (devices.imc_datagrams == NULL || datagram_own(devices.imc_datagrams, &own) != 0) {
+		return NULL;
+	}
+	snprintk(text, sizeof(text), SERVICES, (unsigned int)(own.ipv4 >> 24),
+	         (unsigned int)(own.ipv4 >> 16 & UINT8_MAX),
+	         (unsigned int)(own.ipv4 >> 8 & UINT8_MAX), (unsigned int)(own.ipv4 & UINT8_MAX),
+	         own.port);
+	return text;
+}
+
+void imc_node_start(struct command *command)
+{
+	struct imc_endpoint_config config = {
+		.id = (uint16_t)command->params.values[PARAM_IMC_ID],
+		.node =
+			{
+				.name = CONFIG_PHAROS_IMC_NAME,
+				.version = PHAROS_VERSION,
+				.services = services(),
+			},
+	};
+
+	for (uint8_t link = 0; link < UART_LINKS_MAX; link++) {
+		if (uart_link_protocol(link) == UART_PROTOCOL_IMC) {
+			config.node.stream_links |= (uint8_t)BIT(link);
+		}
+	}
+	active = config.node.services != NULL || config.node.stream_links != 0;
+	imc_endpoint_init(&endpoint, clock_now_us(), &config, &command->params);
+}
+
+/* --- performing ------------------------------------------------------------------------------- */
+
+static void perform_action(struct command *command, const struct imc_action *action)
+{
+	switch (action->kind) {
+	case IMC_ACTION_ACTUATE:
+		break;
+	case IMC_ACTION_PARAMS_CHANGED:
+		command_params_changed(command, &action->changed);
+		break;
+	case IMC_ACTION_HEARD:
+		arbiter_heard(&command->arbiter, clock_now_us(), ARBITER_SOURCE_IMC);
+		break;
+	}
+}
+
+/* Peers that share a route, as those behind a TCP server do, share a packet. */
+static void send_to_peers(const uint8_t *bytes, size_t length)
+{
+	const struct imc_peers *const peers = &endpoint.node.peers;
+
+	for (uint8_t i = 0; i < peers->count; i++) {
+		if (imc_peers_is_first(peers, i)) {
+			imc_link_send(&peers->peers[i].route, bytes, length);
+		}
+	}
+}
+
+static void send(struct command *command, const struct imc_outbox_packet *packet)
+{
+	const uint8_t *const bytes = &out.bytes[packet->offset];
+
+	switch (packet->to) {
+	case IMC_TO_ROUTE:
+		imc_link_send(&packet->route, bytes, packet->length);
+		break;
+	case IMC_TO_PEERS:
+		send_to_peers(bytes, packet->length);
+		break;
+	case IMC_TO_ANNOUNCE:
+		imc_link_announce(command->params.values[PARAM_IMC_ANNOUNCE], bytes,
+		                  packet->length);
+		break;
+	}
+}
+
+static void perform(struct command *command)
+{
+	for (uint8_t i = 0; i < out.actions_count; i++) {
+		perform_action(command, &out.actions[i]);
+	}
+	for (uint8_t i = 0; i < out.packets_count; i++) {
+		send(command, &out.packets[i]);
+	}
+}
+
+/* --- what the command thread calls ------------------------------------------------------------ */
+
+void imc_node_take(struct command *command, struct imc_frame *frame)
+{
+	imc_endpoint_receive(&endpoint, clock_now_us(), &frame->route, frame->bytes, &out);
+	perform(command);
+	imc_link_frame_free(frame);
+}
+
+void imc_node_poll(struct command *command)
+{
+	if (imc_node_due_us() <= clock_now_us()) {
+		imc_endpoint_step(&endpoint, clock_now_us(), &out);
+		perform(command);
+	}
+}
+
+int64_t imc_node_due_us(void)
+{
+	return active ? imc_endpoint_deadline_us(&endpoint) : TIME_NEVER_US;
+}
+
+void imc_node_report(const struct illuminator *illuminator)
+{
+	if (active) {
+		imc_endpoint_report(&endpoint, illuminator);
+	}
+}
+
+const struct imc_endpoint *imc_node_endpoint(void)
+{
+	return &endpoint;
+}
