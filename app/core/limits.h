@@ -26,6 +26,14 @@
 #define TEMP_FLOOR_MDEGC   (-273150)
 #define TEMP_CEILING_MDEGC 1000000
 
+/* Gimbal: angles of an axis, its fastest rate, pulses that any servo takes, and how often the
+ * servos are told. */
+#define GIMBAL_ANGLE_MAX_MDEG 180000
+#define GIMBAL_RATE_MAX       2000000 /* mdeg/s */
+#define GIMBAL_PULSE_MIN_US   500
+#define GIMBAL_PULSE_MAX_US   2500
+#define GIMBAL_FRAME_US       20000
+
 /* One step of the illuminator: a light plan, a status, and a notice for each of heat and sensor. */
 #define ILLUMINATOR_STEP_LIGHTS   1
 #define ILLUMINATOR_STEP_STATUSES 1
@@ -66,6 +74,7 @@ _Static_assert(POWER_SCHEDULE_MAX_US < TIME_MAX_US, "a scheduled time fits");
 _Static_assert(ILLUMINATOR_OUTBOX_MAX >= ILLUMINATOR_STEP_ACTIONS_MAX, "a step fits the outbox");
 _Static_assert((uint64_t)STROBE_PERIOD_CEILING_US *PPM_ONE < (uint64_t)INT64_MAX,
                "period times ratio fits 64 bits");
+_Static_assert(GIMBAL_PULSE_MAX_US < GIMBAL_FRAME_US, "a pulse fits its frame");
 _Static_assert(STROBE_PERIOD_CEILING_US <= UINT32_MAX, "a period fits 32 bits");
 _Static_assert(STROBE_PERIOD_FLOOR_US > 1, "a strobe has room for a lit and a dark microsecond");
 

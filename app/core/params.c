@@ -40,6 +40,10 @@ static const struct rule rules[] = {
 	{PARAM_THR_THROTTLE, PARAM_THR_SHUTDOWN, false},
 	/* Else overheating would count as implausible, and only limit the lamp. */
 	{PARAM_THR_SHUTDOWN, PARAM_THR_SENS_MAX, false},
+#ifdef CONFIG_PHAROS_GIMBAL
+	{PARAM_GMB_PAN_MIN, PARAM_GMB_PAN_MAX, false},
+	{PARAM_GMB_TLT_MIN, PARAM_GMB_TLT_MAX, false},
+#endif
 };
 #define RULES (sizeof(rules) / sizeof(rules[0]))
 
@@ -52,6 +56,12 @@ _Static_assert(CONFIG_PHAROS_THERMAL_SENSOR_MIN_MDEGC < CONFIG_PHAROS_THERMAL_RE
                        CONFIG_PHAROS_THERMAL_SHUTDOWN_MDEGC <
                                CONFIG_PHAROS_THERMAL_SENSOR_MAX_MDEGC,
                "default temperatures");
+
+#ifdef CONFIG_PHAROS_GIMBAL
+_Static_assert(CONFIG_PHAROS_GIMBAL_PAN_MIN_MDEG < CONFIG_PHAROS_GIMBAL_PAN_MAX_MDEG &&
+                       CONFIG_PHAROS_GIMBAL_TILT_MIN_MDEG < CONFIG_PHAROS_GIMBAL_TILT_MAX_MDEG,
+               "default limits of the gimbal");
+#endif
 
 static bool holds(const struct rule *rule, const int32_t values[PARAM_COUNT])
 {
@@ -331,6 +341,43 @@ void params_arbiter(const struct params *self, struct arbiter_config *config)
 		.loss_us = ms_as_us(self, PARAM_LGT_LOSS_MS),
 	};
 }
+
+#ifdef CONFIG_PHAROS_GIMBAL
+void params_gimbal(const struct params *self, struct gimbal_config *config)
+{
+	const int32_t *const values = self->values;
+
+	*config = (struct gimbal_config){
+		.axes =
+			{
+				[GIMBAL_PAN] =
+					{
+						.min_mdeg = values[PARAM_GMB_PAN_MIN],
+						.max_mdeg = values[PARAM_GMB_PAN_MAX],
+						.neutral_mdeg = values[PARAM_GMB_PAN_NEUT],
+						.retract_mdeg = values[PARAM_GMB_PAN_RETR],
+						.rate_mdeg_per_s = values[PARAM_GMB_PAN_RATE],
+						.pulse_min_us = values[PARAM_GMB_PAN_PW_MIN],
+						.pulse_max_us = values[PARAM_GMB_PAN_PW_MAX],
+						.trim_us = values[PARAM_GMB_PAN_TRIM],
+					},
+				[GIMBAL_TILT] =
+					{
+						.min_mdeg = values[PARAM_GMB_TLT_MIN],
+						.max_mdeg = values[PARAM_GMB_TLT_MAX],
+						.neutral_mdeg = values[PARAM_GMB_TLT_NEUT],
+						.retract_mdeg = values[PARAM_GMB_TLT_RETR],
+						.rate_mdeg_per_s = values[PARAM_GMB_TLT_RATE],
+						.pulse_min_us = values[PARAM_GMB_TLT_PW_MIN],
+						.pulse_max_us = values[PARAM_GMB_TLT_PW_MAX],
+						.trim_us = values[PARAM_GMB_TLT_TRIM],
+					},
+			},
+		.rate_timeout_us = ms_as_us(self, PARAM_GMB_RATE_MS),
+		.attitude_timeout_us = ms_as_us(self, PARAM_GMB_ATT_MS),
+	};
+}
+#endif
 
 const char *params_result_name(enum params_result result)
 {

@@ -13,6 +13,7 @@
 #define PHAROS_CORE_PARAMS_H
 
 #include "core/arbiter.h"
+#include "core/gimbal.h"
 #include "core/illuminator.h"
 #include "core/limits.h"
 #include "core/params_table.h"
@@ -35,6 +36,7 @@ enum param_group {
 	PARAM_GROUP_ARBITER,
 	PARAM_GROUP_DRONECAN,
 	PARAM_GROUP_IMC,
+	PARAM_GROUP_GIMBAL,
 	PARAM_GROUP_COUNT
 };
 
@@ -135,6 +137,9 @@ void params_illuminator(const struct params *self, struct illuminator_config *co
 void params_thermal(const struct params *self, struct thermal_config *config);
 void params_sync(const struct params *self, struct sync_config *config);
 void params_arbiter(const struct params *self, struct arbiter_config *config);
+#ifdef CONFIG_PHAROS_GIMBAL
+void params_gimbal(const struct params *self, struct gimbal_config *config);
+#endif
 
 /* For people, constant and never NULL: "ok", "unknown", … */
 const char *params_result_name(enum params_result result);

@@ -142,11 +142,63 @@
 #define PARAMS_IMC(X)
 #endif
 
+/* The gimbal. */
+#ifdef CONFIG_PHAROS_GIMBAL
+#define PARAMS_GIMBAL(X)                                                                           \
+	X(GMB_ENABLE, GIMBAL, "", 0, 1, CONFIG_PHAROS_GIMBAL_ENABLE, PARAM_FLAG_REBOOT,            \
+	  "Gimbal: 0 none, 1 pan and tilt servos")                                                 \
+	X(GMB_COMPID, GIMBAL, "", 1, 255, CONFIG_PHAROS_GIMBAL_COMPONENT_ID, PARAM_FLAG_REBOOT,    \
+	  "MAVLink component id of the gimbal")                                                    \
+	X(GMB_PAN_MIN, GIMBAL, "mdeg", -180000, 180000, CONFIG_PHAROS_GIMBAL_PAN_MIN_MDEG, 0,      \
+	  "Leftmost pan")                                                                          \
+	X(GMB_PAN_MAX, GIMBAL, "mdeg", -180000, 180000, CONFIG_PHAROS_GIMBAL_PAN_MAX_MDEG, 0,      \
+	  "Rightmost pan")                                                                         \
+	X(GMB_PAN_RATE, GIMBAL, "mdeg/s", 1000, 2000000, CONFIG_PHAROS_GIMBAL_PAN_RATE_MDEG_PER_S, \
+	  0, "Fastest pan")                                                                        \
+	X(GMB_PAN_PW_MIN, GIMBAL, "us", 500, 2500, CONFIG_PHAROS_GIMBAL_PAN_PULSE_MIN_US, 0,       \
+	  "Pulse at GMB_PAN_MIN; longer than GMB_PAN_PW_MAX reverses the servo")                   \
+	X(GMB_PAN_PW_MAX, GIMBAL, "us", 500, 2500, CONFIG_PHAROS_GIMBAL_PAN_PULSE_MAX_US, 0,       \
+	  "Pulse at GMB_PAN_MAX")                                                                  \
+	X(GMB_PAN_TRIM, GIMBAL, "us", -500, 500, CONFIG_PHAROS_GIMBAL_PAN_TRIM_US, 0,              \
+	  "Added to every pulse of pan")                                                           \
+	X(GMB_PAN_NEUT, GIMBAL, "mdeg", -180000, 180000, CONFIG_PHAROS_GIMBAL_PAN_NEUTRAL_MDEG, 0, \
+	  "Neutral pan")                                                                           \
+	X(GMB_PAN_RETR, GIMBAL, "mdeg", -180000, 180000, CONFIG_PHAROS_GIMBAL_PAN_RETRACT_MDEG, 0, \
+	  "Retracted pan")                                                                         \
+	X(GMB_TLT_MIN, GIMBAL, "mdeg", -180000, 180000, CONFIG_PHAROS_GIMBAL_TILT_MIN_MDEG, 0,     \
+	  "Lowest tilt")                                                                           \
+	X(GMB_TLT_MAX, GIMBAL, "mdeg", -180000, 180000, CONFIG_PHAROS_GIMBAL_TILT_MAX_MDEG, 0,     \
+	  "Highest tilt")                                                                          \
+	X(GMB_TLT_RATE, GIMBAL, "mdeg/s", 1000, 2000000,                                           \
+	  CONFIG_PHAROS_GIMBAL_TILT_RATE_MDEG_PER_S, 0, "Fastest tilt")                            \
+	X(GMB_TLT_PW_MIN, GIMBAL, "us", 500, 2500, CONFIG_PHAROS_GIMBAL_TILT_PULSE_MIN_US, 0,      \
+	  "Pulse at GMB_TLT_MIN; longer than GMB_TLT_PW_MAX reverses the servo")                   \
+	X(GMB_TLT_PW_MAX, GIMBAL, "us", 500, 2500, CONFIG_PHAROS_GIMBAL_TILT_PULSE_MAX_US, 0,      \
+	  "Pulse at GMB_TLT_MAX")                                                                  \
+	X(GMB_TLT_TRIM, GIMBAL, "us", -500, 500, CONFIG_PHAROS_GIMBAL_TILT_TRIM_US, 0,             \
+	  "Added to every pulse of tilt")                                                          \
+	X(GMB_TLT_NEUT, GIMBAL, "mdeg", -180000, 180000, CONFIG_PHAROS_GIMBAL_TILT_NEUTRAL_MDEG,   \
+	  0, "Neutral tilt")                                                                       \
+	X(GMB_TLT_RETR, GIMBAL, "mdeg", -180000, 180000, CONFIG_PHAROS_GIMBAL_TILT_RETRACT_MDEG,   \
+	  0, "Retracted tilt")                                                                     \
+	X(GMB_RATE_MS, GIMBAL, "ms", 50, 60000, CONFIG_PHAROS_GIMBAL_RATE_TIMEOUT_MS, 0,           \
+	  "A rate that is not renewed ends after this")                                            \
+	X(GMB_ATT_MS, GIMBAL, "ms", 50, 60000, CONFIG_PHAROS_GIMBAL_ATTITUDE_TIMEOUT_MS, 0,        \
+	  "An attitude of the vehicle is good for so long")                                        \
+	X(GMB_MNT_SIGN, GIMBAL, "", 0, 3, CONFIG_PHAROS_GIMBAL_MOUNT_SIGN, 0,                      \
+	  "Signs turned round in MAVLink mount commands: sum of 1 pitch, 2 yaw")                   \
+	X(GMB_ASK_DATA, GIMBAL, "", 0, 1, CONFIG_PHAROS_GIMBAL_ASK_DATA, 0,                        \
+	  "Ask the vehicle for its attitude and position: 0 no, 1 when they do not come")
+#else
+#define PARAMS_GIMBAL(X)
+#endif
+
 #define PARAMS_TABLE(X)                                                                            \
 	PARAMS_LIGHT(X)                                                                            \
 	PARAMS_ARBITER(X)                                                                          \
 	PARAMS_THERMAL(X)                                                                          \
 	PARAMS_SYNC(X)                                                                             \
-	PARAMS_MAVLINK(X) PARAMS_SIGNING(X) PARAMS_ROUTING(X) PARAMS_DRONECAN(X) PARAMS_IMC(X)
+	PARAMS_MAVLINK(X)                                                                          \
+	PARAMS_SIGNING(X) PARAMS_ROUTING(X) PARAMS_DRONECAN(X) PARAMS_IMC(X) PARAMS_GIMBAL(X)
 
 #endif

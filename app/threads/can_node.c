@@ -217,6 +217,34 @@ static void command_lamp(struct command *command, const struct dronecan_lights_a
 	}
 }
 
+static void command_gimbal(struct command *command, enum gimbal_axis_id axis,
+                           const struct dronecan_lights_action *action)
+{
+	const enum arbiter_source commander = gimbal_node_commander(command);
+	struct gimbal_event event = {.kind = GIMBAL_EVENT_AIM};
+	enum gimbal_result result;
+
+	if (!gimbal_node_is_active(command)) {
+		stats.no_gimbal++;
+		return;
+	}
+	if (action->repeated && commander != ARBITER_SOURCE_DRONECAN &&
+	    commander != ARBITER_SOURCE_NONE) {
+		stats.unchanged++;
+		return;
+	}
+	event.aim[axis] = (struct gimbal_aim){
+		.kind = GIMBAL_ANGLE,
+		.value = gimbal_node_share_mdeg(command, axis, action->position_ppm),
+	};
+	if (command_point(command, ARBITER_SOURCE_DRONECAN, &event, &result) == ARBITER_GRANTED) {
+		stats.applied++;
+	} else {
+		stats.refused++;
+		dronecan_lights_forget(&endpoint.lights);
+	}
+}
+
 static void perform_lights(struct command *command)
 {
 	for (uint8_t i = 0; i < out.lights.count; i++) {
@@ -227,8 +255,10 @@ static void perform_lights(struct command *command)
 			command_lamp(command, action);
 			break;
 		case DRONECAN_LIGHTS_PAN:
+			command_gimbal(command, GIMBAL_PAN, action);
+			break;
 		case DRONECAN_LIGHTS_TILT:
-			stats.no_gimbal++;
+			command_gimbal(command, GIMBAL_TILT, action);
 			break;
 		}
 	}

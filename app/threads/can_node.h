@@ -17,10 +17,10 @@
 #include "threads/link.h"
 
 struct can_node_stats {
-	uint32_t applied;     /* lamp commands carried out */
+	uint32_t applied;     /* commands for lamp and gimbal carried out */
 	uint32_t refused;     /* by the arbiter or the illuminator */
 	uint32_t unchanged;   /* repetitions of a command while somebody else is in command */
-	uint32_t no_gimbal;   /* pan and tilt: this light has none */
+	uint32_t no_gimbal;   /* pan and tilt, but there is none */
 	uint32_t log_skipped; /* LogMessages within a second of the last one */
 };
 

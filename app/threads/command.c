@@ -13,6 +13,7 @@
 #include "threads/can_node.h"
 #include "threads/clock.h"
 #include "threads/devices.h"
+#include "threads/gimbal_node.h"
 #include "threads/imc_node.h"
 #include "threads/mavlink_node.h"
 #include "threads/storage.h"
@@ -219,6 +220,7 @@ void command_params_in_force(struct command *self, const struct param_set *chang
 	if (param_set_touches(changed, PARAM_GROUP_DRONECAN)) {
 		can_node_configure(&self->params);
 	}
+	gimbal_node_configure(self, changed);
 	if (!param_set_is_empty(changed)) {
 		storage_save_params(&self->params, changed);
 	}
@@ -282,6 +284,7 @@ void command_init(void)
 	if (strobe_timer_init(&sync) != 0) {
 		LOG_ERR("the sync input does not work; external sync will time out");
 	}
+	gimbal_node_init(&command);
 	uart_links_init(&command.params);
 	mavlink_node_init(&command);
 	can_node_init(&command);
@@ -420,7 +423,8 @@ void command_run(void *p1, void *p2, void *p3)
 	for (;;) {
 		const int64_t core_us =
 			MIN(arbiter_deadline_us(&command.arbiter), mavlink_node_deadline_us());
-		const int64_t node_us = MIN(can_node_deadline_us(), imc_node_due_us());
+		const int64_t bus_us = MIN(can_node_deadline_us(), imc_node_due_us());
+		const int64_t node_us = MIN(bus_us, gimbal_node_deadline_us(&command));
 		const int64_t deadline_us = MIN(core_us, node_us);
 		const int64_t report_us = clock_now_us() + SUPERVISOR_REPORT_MS * US_PER_MS;
 		struct item item;
@@ -430,6 +434,7 @@ void command_run(void *p1, void *p2, void *p3)
 		}
 		step_arbiter();
 		show_commander();
+		gimbal_node_step(&command);
 		mavlink_node_step(&command);
 		can_node_step(&command);
 		imc_node_poll(&command);

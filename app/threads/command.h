@@ -13,6 +13,7 @@
 #include "core/arbiter.h"
 #include "core/illuminator.h"
 #include "core/params.h"
+#include "threads/gimbal_node.h"
 #include "threads/link.h"
 
 struct dronecan_frame;
@@ -23,6 +24,9 @@ struct command {
 	struct illuminator illuminator;
 	struct arbiter arbiter;
 	struct params params;
+#ifdef CONFIG_PHAROS_GIMBAL
+	struct gimbal_node gimbal;
+#endif
 };
 
 struct command_stats {
@@ -72,6 +76,24 @@ enum arbiter_verdict command_apply(struct command *command, enum arbiter_source 
 /* The same with several events, all or none: false when one is refused, by whomever. */
 bool command_apply_all(struct command *command, enum arbiter_source source,
                        const struct illuminator_event *events, size_t count);
+
+/*
+ * The same for the gimbal, which has an arbiter of its own. GRANTED with GIMBAL_ABSENT: there is no
+ * gimbal. Servos begin to move within GIMBAL_FRAME_US.
+ */
+#ifdef CONFIG_PHAROS_GIMBAL
+enum arbiter_verdict command_point(struct command *command, enum arbiter_source source,
+                                   const struct gimbal_event *event, enum gimbal_result *result);
+#else
+static inline enum arbiter_verdict command_point(struct command *command,
+                                                 enum arbiter_source source,
+                                                 const struct gimbal_event *event,
+                                                 enum gimbal_result *result)
+{
+	*result = GIMBAL_ABSENT;
+	return ARBITER_GRANTED;
+}
+#endif
 
 /*
  * From functions that run in the command thread: change a parameter, tell those concerned, store

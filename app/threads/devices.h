@@ -15,6 +15,8 @@ struct devices {
 	const struct device *light;
 	const struct device *thermistor;
 	const struct device *watchdog;
+	const struct device *servo_pan;                  /* NULL: the board has none */
+	const struct device *servo_tilt;                 /* the same */
 	const struct device *probe;                      /* NULL: the board has none */
 	const struct device *uart_links[UART_LINKS_MAX]; /* NULL: not on this board */
 	const struct device *can_link;                   /* NULL: the board has none */

@@ -166,13 +166,13 @@ class Shell:
     """Types lines at the console and reads what comes back, without colours and cursor movement."""
 
     def __init__(self, sim: Simulator) -> None:
-        self._sim = sim
+        self.sim = sim
         self._link = sim.open("console")
         self("")
 
     def keys(self, keys: str, pass_us: int = 300_000) -> str:
         self._link.send(keys.encode())
-        self._sim.advance(pass_us)
+        self.sim.advance(pass_us)
         text = b"".join(self._link.take()).decode(errors="replace")
         return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", text).replace("\r", "")
 

@@ -67,6 +67,20 @@ static json_t *pwm_array(void)
 	return array;
 }
 
+static json_t *servos_object(void)
+{
+	json_t *object = json_object();
+
+	for (uint32_t servo = 0; servo < BOARD_SERVO_COUNT; servo++) {
+		json_t *one = json_object();
+
+		control_put_integer(one, "angle_mdeg", llround(board.servos[servo].angle_mdeg));
+		control_put_integer(one, "pulse_ns", board.servos[servo].pulse_ns);
+		json_object_set_new(object, board_servo_name(servo), one);
+	}
+	return object;
+}
+
 static void put_lamp(json_t *reply)
 {
 	const struct lamp *lamp = &board.lamp;
@@ -108,6 +122,7 @@ static enum control_result run_outputs(struct control_call *call)
 	control_put_bool(call->reply, "fan", !board.housing.fan_failed);
 	json_object_set_new(call->reply, "lines", lines_object());
 	json_object_set_new(call->reply, "pwm", pwm_array());
+	json_object_set_new(call->reply, "servos", servos_object());
 	control_put_integer(call->reply, "resets", world.resets);
 	control_put_string(call->reply, "reset_cause", reset_cause_name(reset_last_cause()));
 	control_put_integer(call->reply, "reset_us", (int64_t)clock_boot_us());
@@ -304,7 +319,7 @@ static const struct host_option options[] = {
 
 static const struct control_op ops[] = {
 	{"outputs",
-         "lamp, temperature, lines, PWM, commanded values and resets; reset: true starts "
+         "lamp, temperature, lines, PWM, servos, commanded values and resets; reset: true starts "
          "energy_mj, "
          "light_us, lit_us and peak_ppm anew",
          run_outputs},

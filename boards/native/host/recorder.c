@@ -21,10 +21,12 @@
 #define LINE_SIZE      128u
 #define FLUSH_AFTER_US 1000000
 
-/* Identifier codes: '!' level, '"' temperature; then lines from LINE_CODE, probes from PROBE_CODE
+/* Identifier codes: '!' level, '"' temperature, from '#' pulses of servos; then lines from
+ * LINE_CODE, probes from PROBE_CODE
  */
 #define LEVEL_CODE '!'
 #define TEMP_CODE  '"'
+#define SERVO_CODE '#'
 #define LINE_CODE  'A'
 #define PROBE_CODE 'a'
 
@@ -112,6 +114,12 @@ static void temperature_known(int64_t now_us, double temp_c)
 	put_temp(temp_c);
 }
 
+static void servo_changed(int64_t now_us, uint32_t servo)
+{
+	put_time(now_us);
+	put_number((char)(SERVO_CODE + servo), board.servos[servo].pulse_ns);
+}
+
 static void lines_changed(int64_t now_us, uint32_t levels)
 {
 	const uint32_t changed = levels ^ lines;
@@ -138,6 +146,10 @@ static void put_header(void)
 	put("$version pharos $end\n$timescale 1 us $end\n$scope module pharos $end\n");
 	put("$var integer 32 %c level_ppm $end\n", LEVEL_CODE);
 	put("$var real 64 %c temp_mdegc $end\n", TEMP_CODE);
+	for (uint32_t servo = 0; servo < BOARD_SERVO_COUNT; servo++) {
+		put("$var integer 32 %c %s_pulse_ns $end\n", SERVO_CODE + (int)servo,
+		    board_servo_name(servo));
+	}
 	for (uint32_t line = 0; line < BOARD_LINE_COUNT; line++) {
 		put("$var wire 1 %c %s $end\n", LINE_CODE + (int)line, board_line_name(line));
 	}
@@ -156,6 +168,9 @@ static void put_all(int64_t now_us)
 	put("$dumpvars\n");
 	put_number(LEVEL_CODE, board.lamp.level_ppm);
 	put_temp(board.housing.temp_c);
+	for (uint32_t servo = 0; servo < BOARD_SERVO_COUNT; servo++) {
+		put_number((char)(SERVO_CODE + servo), board.servos[servo].pulse_ns);
+	}
 	for (uint32_t line = 0; line < BOARD_LINE_COUNT; line++) {
 		put("%u%c\n", (lines >> line) & 1u, LINE_CODE + (int)line);
 	}
@@ -196,6 +211,7 @@ static int start(void)
 	board_listener = (struct board_listener){
 		.light = light_changed,
 		.temperature = temperature_known,
+		.servo = servo_changed,
 		.lines = lines_changed,
 		.probe = probe_set,
 	};

@@ -55,6 +55,11 @@ static const char *const probe_names[BOARD_PROBE_COUNT] = {
 	"command",
 };
 
+static const char *const servo_names[BOARD_SERVO_COUNT] = {
+	[BOARD_SERVO_PAN] = "pan",
+	[BOARD_SERVO_TILT] = "tilt",
+};
+
 struct board board;
 struct board_listener board_listener;
 void (*board_outside)(void);
@@ -86,6 +91,14 @@ static void light_changed(int64_t now_us)
 	}
 }
 
+static void pulse_changed(int64_t now_us, uint32_t servo, uint32_t pulse_ns)
+{
+	servo_set_pulse_ns(&board.servos[servo], now_us, pulse_ns);
+	if (board_listener.servo != NULL) {
+		board_listener.servo(now_us, servo);
+	}
+}
+
 int board_pwm_set(int64_t now_us, uint32_t channel, uint32_t period, uint32_t pulse, uint64_t hz)
 {
 	struct board_pwm *pwm;
@@ -99,6 +112,11 @@ int board_pwm_set(int64_t now_us, uint32_t channel, uint32_t period, uint32_t pu
 	pwm->duty_ppm = (uint32_t)((pulse * UINT64_C(1000000)) / period);
 	if (channel == BOARD_PWM_LAMP && lamp_set_duty(&board.lamp, now_us, pwm->duty_ppm)) {
 		light_changed(now_us);
+	}
+	if (channel == BOARD_PWM_SERVO_PAN) {
+		pulse_changed(now_us, BOARD_SERVO_PAN, pwm->pulse_ns);
+	} else if (channel == BOARD_PWM_SERVO_TILT) {
+		pulse_changed(now_us, BOARD_SERVO_TILT, pwm->pulse_ns);
 	}
 	return 0;
 }
@@ -179,6 +197,9 @@ void board_mcu_reset(int64_t now_us)
 	for (uint32_t channel = 0; channel < BOARD_PWM_COUNT; channel++) {
 		board.pwm[channel] = (struct board_pwm){0};
 	}
+	for (uint32_t servo = 0; servo < BOARD_SERVO_COUNT; servo++) {
+		pulse_changed(now_us, servo, 0);
+	}
 	if (lamp_set_duty(&board.lamp, now_us, 0)) {
 		light_changed(now_us);
 	}
@@ -191,6 +212,9 @@ void board_advance(int64_t now_us)
 {
 	lamp_advance(&board.lamp, now_us);
 	thermal_mass_advance(&board.housing, now_us);
+	for (uint32_t servo = 0; servo < BOARD_SERVO_COUNT; servo++) {
+		servo_advance(&board.servos[servo], now_us);
+	}
 }
 
 void board_line_drive_late(int64_t now_us, uint32_t line, bool level, int64_t edge_us)
@@ -222,6 +246,11 @@ void board_line_release(int64_t now_us, uint32_t line)
 const char *board_line_name(uint32_t line)
 {
 	return line < BOARD_LINE_COUNT ? line_names[line] : NULL;
+}
+
+const char *board_servo_name(uint32_t servo)
+{
+	return servo < BOARD_SERVO_COUNT ? servo_names[servo] : NULL;
 }
 
 const char *board_probe_name(unsigned int channel)

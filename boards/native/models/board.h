@@ -14,6 +14,7 @@
 #include "models/lamp.h"
 #include "models/lines.h"
 #include "models/ntc_input.h"
+#include "models/servo.h"
 #include "models/thermal_mass.h"
 
 enum board_pwm_channel {
@@ -41,6 +42,12 @@ enum board_line {
 	BOARD_LINE_COUNT,
 };
 
+enum board_servo {
+	BOARD_SERVO_PAN,
+	BOARD_SERVO_TILT,
+	BOARD_SERVO_COUNT,
+};
+
 #define BOARD_PROBE_COUNT   16
 #define BOARD_PROBE_COMMAND 10u /* an event: the same value again is news */
 
@@ -58,6 +65,7 @@ struct board {
 	struct lines lines;
 	int64_t edge_us[BOARD_LINE_COUNT]; /* when the world last drove the line */
 	struct board_pwm pwm[BOARD_PWM_COUNT];
+	struct servo servos[BOARD_SERVO_COUNT];
 	int64_t probes[BOARD_PROBE_COUNT];
 };
 
@@ -68,6 +76,7 @@ struct board_listener {
 	void (*light)(int64_t now_us);
 	void (*temperature)(int64_t now_us, double temp_c); /* at each conversion */
 	void (*lines)(int64_t now_us, uint32_t levels);
+	void (*servo)(int64_t now_us, uint32_t servo); /* its pulses have changed */
 	void (*probe)(int64_t now_us, unsigned int channel, int64_t value);
 };
 
@@ -118,6 +127,9 @@ void board_line_release(int64_t now_us, uint32_t line);
 
 /* "lamp_enable", "sync", "button", …; NULL: no such line. */
 const char *board_line_name(uint32_t line);
+
+/* "pan", "tilt"; NULL: no such servo. */
+const char *board_servo_name(uint32_t servo);
 
 /* "limit_ppm", "gate", …: the name of a probe channel; NULL: no such channel. */
 const char *board_probe_name(unsigned int channel);

@@ -11,6 +11,7 @@
 #include "models/lines.h"
 #include "models/noise.h"
 #include "models/ntc_input.h"
+#include "models/servo.h"
 #include "models/thermal_mass.h"
 
 #define S INT64_C(1000000)
@@ -293,6 +294,36 @@ ZTEST(models, test_line_level_by_who_drives_it)
 	zassert_equal(lines_levels(&lines), 0, "the world still drives low");
 	lines.driven_level = 1;
 	zassert_equal(lines_levels(&lines), 1);
+}
+
+/* --- servo --- */
+
+/* 500 us off 1500 us are 90 degrees; 500 degrees per second. */
+ZTEST(models, test_servo_turns_to_its_pulse_at_its_speed)
+{
+	struct servo servo = {0};
+
+	servo_set_pulse_ns(&servo, 0, 2000000);
+	servo_advance(&servo, 100000);
+	zassert_within(servo.angle_mdeg, 50000.0, 1e-6);
+	servo_advance(&servo, S);
+	zassert_within(servo.angle_mdeg, 90000.0, 1e-6);
+	servo_set_pulse_ns(&servo, S, 1250000);
+	servo_advance(&servo, 2 * S);
+	zassert_within(servo.angle_mdeg, -45000.0, 1e-6);
+}
+
+ZTEST(models, test_servo_without_pulses_stays_and_has_ends)
+{
+	struct servo servo = {0};
+
+	servo_set_pulse_ns(&servo, 0, 2500000); /* 180 degrees, beyond its mechanics */
+	servo_advance(&servo, S);
+	zassert_within(servo.angle_mdeg, 125000.0, 1e-6);
+	servo_set_pulse_ns(&servo, S, 1500000);
+	servo_set_pulse_ns(&servo, S + 100000, 0);
+	servo_advance(&servo, 9 * S);
+	zassert_within(servo.angle_mdeg, 75000.0, 1e-6);
 }
 
 ZTEST_SUITE(models, NULL, NULL, NULL, NULL, NULL);

@@ -48,8 +48,8 @@ static bool is_read_only(uint32_t index)
 /* MAVLink reference: names of at most 16 characters; DroneCAN and the shell want them plain. */
 ZTEST(core_params, test_every_row_is_complete_and_its_name_is_unique)
 {
-	static const char *const prefixes[] = {"LGT_", "STRB_", "THR_", "SYNC_",
-	                                       "MAV_", "CAN_",  "IMC_", "UART"};
+	static const char *const prefixes[] = {"LGT_", "STRB_", "THR_", "SYNC_", "MAV_",
+	                                       "CAN_", "IMC_",  "UART", "GMB_"};
 
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
 		const struct param_info *info = params_info(i);
@@ -222,6 +222,8 @@ ZTEST(core_params, test_any_garbage_loads_as_something_that_works)
 		struct illuminator_config light;
 		static struct thermal machine;
 		static struct illuminator illuminator;
+		static struct gimbal gimbal;
+		struct gimbal_config axes;
 
 		for (uint32_t i = 0; i < PARAM_COUNT; i++) {
 			const struct param_info *info = params_info(i);
@@ -234,8 +236,10 @@ ZTEST(core_params, test_any_garbage_loads_as_something_that_works)
 		params_load(&params, stored.values);
 		params_thermal(&params, &thermal);
 		params_illuminator(&params, &light);
+		params_gimbal(&params, &axes);
 		thermal_init(&machine, 0, &thermal); /* these assert their ranges */
 		illuminator_init(&illuminator, &light);
+		gimbal_init(&gimbal, 0, &axes);
 		for (uint32_t i = 0; i < PARAM_COUNT; i++) {
 			zassert_equal(params_set(&params, i, params.values[i], &changed),
 			              is_read_only(i) ? PARAMS_READ_ONLY : PARAMS_OK,
