@@ -4,6 +4,8 @@
 #include <zephyr/drivers/hwinfo.h>
 #include <zephyr/sys/printk.h>
 
+#include "threads/metadata.h"
+
 #define DEVICE_ID_BYTES 12
 
 static char serial_number[2 * DEVICE_ID_BYTES + 1];
@@ -14,6 +16,9 @@ static const struct mavlink_identity identity = {
 	.software_version = PHAROS_VERSION,
 	.hardware_version = CONFIG_PHAROS_HARDWARE_VERSION,
 	.serial_number = serial_number,
+#ifdef CONFIG_PHAROS_FTP
+	.files = &metadata_files,
+#endif
 	.version_code =
 		PHAROS_VERSION_MAJOR << 24 | PHAROS_VERSION_MINOR << 16 | PHAROS_VERSION_PATCH << 8,
 };

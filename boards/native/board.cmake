@@ -23,6 +23,7 @@ set(PHAROS_DIR ${CMAKE_CURRENT_SOURCE_DIR})
 set(GENERATED_DIR ${CMAKE_BINARY_DIR}/generated)
 
 # --- configuration: Kconfig + prj.conf + native.conf -> autoconf.h -----------------------------
+set(AUTOCONF_H ${GENERATED_DIR}/autoconf.h) # as Zephyr calls it
 set(CONF_FILES ${PHAROS_DIR}/prj.conf ${NATIVE_DIR}/native.conf ${EXTRA_CONF_FILE})
 execute_process(
   COMMAND ${Python3_EXECUTABLE} ${NATIVE_DIR}/scripts/kconfig.py

@@ -50,12 +50,23 @@ static struct mavlink_outbox out;
 static struct mavlink_framer framers[MAVLINK_LINKS_MAX];
 static int64_t now_us;
 
+static const uint8_t big[1000];
+
+static const struct mavlink_file served[] = {
+	{"a", big, sizeof(big), 1},
+	{"b", big, 1, 2},
+	{"c", big, 0, 3},
+};
+
+static const struct mavlink_files files = {served, 3};
+
 static const struct mavlink_identity identity = {
 	.vendor_name = "a",
 	.model_name = "b",
 	.software_version = "c",
 	.hardware_version = "d",
 	.serial_number = "e",
+	.files = &files,
 };
 
 static void start(void)
@@ -150,14 +161,15 @@ static void raw(struct script *script, uint8_t link)
 
 static void message(struct script *script, uint8_t link)
 {
-	static const uint16_t ids[] = {76, 75, 0, 4, 111, 440, 300, 77};
+	static const uint16_t ids[16] = {76,  75,  0,   4,   111, 440, 300, 77,
+	                                 110, 110, 110, 110, 20,  21,  23,  110};
 	const uint8_t choice = take(script);
 	const struct mavlink_sender sender = {
 		.version = choice & 0x80 ? 1 : 2,
 		.system_id = choice & 0x40 ? 1 : 255,
 		.component_id = choice & 0x20 ? 243 : 190,
 	};
-	struct mavlink_kind kind = {.id = ids[choice & 7]};
+	struct mavlink_kind kind = {.id = ids[choice & 15]};
 	uint8_t payload[MAVLINK_PAYLOAD_MAX] = {0};
 	uint8_t bytes[MAVLINK_FRAME_MAX];
 

@@ -78,7 +78,7 @@ FRAMES: list[tuple[str, tuple[int, int], bool, int, bool, str, tuple[Any, ...]]]
         1,
         False,
         "component_information_basic",
-        (2000, 8216, 1700000000, b"Pharos", b"Light", b"1.2.3", b"4.5.6", b"SN-0042"),
+        (2000, 8248, 1700000000, b"Pharos", b"Light", b"1.2.3", b"4.5.6", b"SN-0042"),
     ),
     ("INTERVAL_OF_STATUS", LIGHT, False, 1, False, "message_interval", (440, 1000000)),
     (
@@ -88,7 +88,7 @@ FRAMES: list[tuple[str, tuple[int, int], bool, int, bool, str, tuple[Any, ...]]]
         1,
         False,
         "autopilot_version",
-        (8216, 0x010203FF, 0, 0, 0, bytes(8), bytes(8), bytes(8), 0, 0, 0),
+        (8248, 0x010203FF, 0, 0, 0, bytes(8), bytes(8), bytes(8), 0, 0, 0),
     ),
     ("PROTOCOL", LIGHT, False, 1, False, "protocol_version", (200, 100, 200, bytes(8), bytes(8))),
     ("PING_QUESTION", GROUND, False, 10, False, "ping", (123456789, 77, 0, 0)),

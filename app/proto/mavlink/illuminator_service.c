@@ -26,6 +26,9 @@ void mavlink_illuminator_init(struct mavlink_illuminator *self, struct illuminat
 	self->arbiter = arbiter;
 	self->identity = identity;
 	mavlink_params_init(&self->params, params);
+#ifdef CONFIG_PHAROS_FTP
+	mavlink_ftp_init(&self->ftp, identity->files);
+#endif
 	for (size_t i = 0; i < MAVLINK_NOTICE_KINDS; i++) {
 		self->noticed_us[i] = -1;
 	}
@@ -234,6 +237,24 @@ static uint8_t fill_version(const struct mavlink_context *context, float argumen
 	return MAV_RESULT_ACCEPTED;
 }
 
+#ifdef CONFIG_PHAROS_FTP
+static uint8_t fill_metadata(const struct mavlink_context *context, float argument, void *payload)
+{
+	const struct mavlink_illuminator *const self = context->component->service;
+
+	(void)argument;
+	mavlink_fill_metadata(&self->identity->files->files[0], context->now_us, payload);
+	return MAV_RESULT_ACCEPTED;
+}
+
+static void file_transfer(const struct mavlink_context *context, const struct mavlink_frame *frame)
+{
+	struct mavlink_illuminator *const self = context->component->service;
+
+	mavlink_ftp_receive(&self->ftp, context, frame);
+}
+#endif
+
 static const struct mavlink_message_row messages[] = {
 	{.kind = MAVLINK_KIND(HEARTBEAT),
          .interval_us = STREAM_INTERVAL_US,
@@ -256,6 +277,11 @@ static const struct mavlink_message_row messages[] = {
 	{.kind = MAVLINK_KIND(PROTOCOL_VERSION),
          .interval_us = MAVLINK_INTERVAL_OFF,
          .fill = mavlink_fill_protocol_version},
+#ifdef CONFIG_PHAROS_FTP
+	{.kind = MAVLINK_KIND(COMPONENT_METADATA),
+         .interval_us = MAVLINK_INTERVAL_OFF,
+         .fill = fill_metadata},
+#endif
 };
 
 /* --- what others did and who is there ----------------------------------------------------------
@@ -394,6 +420,12 @@ static const struct mavlink_receiver_row receivers[] = {
          .target_system_offset = MAVLINK_TIMESYNC_TARGET_SYSTEM,
          .target_component_offset = MAVLINK_TIMESYNC_TARGET_COMPONENT,
          .receive = mavlink_timesync},
+#ifdef CONFIG_PHAROS_FTP
+	{.id = MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL,
+         .target_system_offset = offsetof(mavlink_file_transfer_protocol_t, target_system),
+         .target_component_offset = offsetof(mavlink_file_transfer_protocol_t, target_component),
+         .receive = file_transfer},
+#endif
 	{.id = MAVLINK_MSG_ID_PARAM_REQUEST_READ,
          .target_system_offset = offsetof(mavlink_param_request_read_t, target_system),
          .target_component_offset = offsetof(mavlink_param_request_read_t, target_component),
@@ -418,22 +450,41 @@ static uint8_t system_status(const void *service)
 
 static bool step(const struct mavlink_context *context)
 {
-	return mavlink_params_step(params_of(context), context);
+	struct mavlink_illuminator *const self = context->component->service;
+
+#ifdef CONFIG_PHAROS_FTP
+	if (!mavlink_ftp_step(&self->ftp, context)) {
+		return false;
+	}
+#endif
+	return mavlink_params_step(&self->params, context);
 }
 
 static int64_t deadline_us(const void *service)
 {
 	const struct mavlink_illuminator *const self = service;
+	int64_t due_us = mavlink_params_deadline_us(&self->params);
 
-	return mavlink_params_deadline_us(&self->params);
+#ifdef CONFIG_PHAROS_FTP
+	const int64_t files_us = mavlink_ftp_deadline_us(&self->ftp);
+
+	due_us = files_us < due_us ? files_us : due_us;
+#endif
+	return due_us;
 }
+
+#ifdef CONFIG_PHAROS_FTP
+#define CAPABILITIES (MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE | MAV_PROTOCOL_CAPABILITY_FTP)
+#else
+#define CAPABILITIES MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE
+#endif
 
 #define COUNT(table) (sizeof(table) / sizeof((table)[0]))
 
 _Static_assert(COUNT(messages) <= MAVLINK_MESSAGES_MAX, "a stream for each message");
 
 const struct mavlink_profile mavlink_illuminator_profile = {
-	.capabilities = MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE,
+	.capabilities = CAPABILITIES,
 	.type = MAV_TYPE_ILLUMINATOR,
 	.command_count = COUNT(commands),
 	.message_count = COUNT(messages),

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The illuminator as a MAVLink component: commands 405 and 406, messages 440, 396 and those that
- * every component has, and the device's parameters. Floats of commands 405 and 406 end here; the
+ * every component has with the device's parameters and
+ * files. Floats of commands 405 and 406 end here; the
  * core has integers.
  *
  * ILLUMINATOR_STATUS reports what was commanded. A float comes back exactly as 406 brought it, as
@@ -15,6 +16,7 @@
 #include "core/arbiter.h"
 #include "core/illuminator.h"
 #include "proto/mavlink/endpoint.h"
+#include "proto/mavlink/ftp.h"
 #include "proto/mavlink/identity.h"
 #include "proto/mavlink/param_service.h"
 
@@ -29,6 +31,9 @@ struct mavlink_illuminator {
 	struct arbiter *arbiter;
 	const struct mavlink_identity *identity;
 	struct mavlink_params params;
+#ifdef CONFIG_PHAROS_FTP
+	struct mavlink_ftp ftp;
+#endif
 	struct mavlink_echo brightness;
 	struct mavlink_echo period;
 	struct mavlink_echo duty;

@@ -66,6 +66,12 @@
 #define MAVLINK_ROUTES_MAX       32
 #define MAVLINK_ROUTE_SILENCE_US 5000000
 
+/* FTP: open files, when an idle one may be closed for another, and the longest name of a file. */
+#define MAVLINK_FTP_SESSIONS 4
+#define MAVLINK_FTP_IDLE_US  10000000
+#define MAVLINK_FTP_NAME_MAX 32
+#define MAVLINK_FTP_DATA_MAX 239
+
 _Static_assert(MAVLINK_FRAME_MAX == MAVLINK_V2_HEADER + MAVLINK_PAYLOAD_MAX +
                                             MAVLINK_CHECKSUM_BYTES + MAVLINK_SIGNATURE_BYTES,
                "the longest frame");

@@ -61,6 +61,7 @@ def test_a_definition_with_another_crc_extra_is_an_error(tmp_path: Path) -> None
     wheel = wheel_with(tmp_path, message_440())
     staged, _ = generate.stage(DIALECT, wheel, tmp_path / "out")
     messages = generate.parse_messages([staged, wheel / "common.xml"])
+    messages[345] = generate.EXPECTED[345]  # a real wheel has it
     with pytest.raises(generate.GenerateError, match=r"message 440: expected .*66, 35"):
         generate.check(messages)
 

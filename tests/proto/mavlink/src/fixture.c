@@ -11,12 +11,19 @@ int64_t now_us;
 
 static uint8_t ground_sequence;
 
+static const uint8_t general[] = {'{', '}'};
+
+static const struct mavlink_file general_file = {"g.json", general, sizeof(general), 0x12345678};
+
+static const struct mavlink_files general_files = {&general_file, 1};
+
 static const struct mavlink_identity identity = {
 	.vendor_name = "Pharos",
 	.model_name = "Light",
 	.software_version = "1.2.3",
 	.hardware_version = "4.5.6",
 	.serial_number = "SN-0042",
+	.files = &general_files,
 	.time_manufacture_s = 1700000000,
 	.version_code = 0x010203FF,
 };

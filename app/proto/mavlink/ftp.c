@@ -1,0 +1,514 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "proto/mavlink/ftp.h"
+
+#include "core/assert.h"
+#include "core/limits.h"
+#include "proto/mavlink/dialect.h"
+
+#include <stddef.h>
+#include <string.h>
+
+/* Where things lie in FILE_TRANSFER_PROTOCOL.payload. */
+#define AT_SEQUENCE       0
+#define AT_SESSION        2
+#define AT_OPCODE         3
+#define AT_SIZE           4
+#define AT_REQUEST        5
+#define AT_BURST_COMPLETE 6
+#define AT_OFFSET         8
+#define AT_DATA           12
+
+#define PAYLOAD_OFFSET offsetof(mavlink_file_transfer_protocol_t, payload)
+#define PAYLOAD_BYTES  sizeof(((mavlink_file_transfer_protocol_t *)0)->payload)
+
+_Static_assert(AT_DATA + MAVLINK_FTP_DATA_MAX == PAYLOAD_BYTES, "common.xml");
+_Static_assert(MAVLINK_FTP_SESSIONS <= UINT8_MAX, "a session id is 8 bits");
+/* "F", name, tab, ten digits, 0 */
+_Static_assert(1 + MAVLINK_FTP_NAME_MAX + 1 + 10 + 1 <= MAVLINK_FTP_DATA_MAX, "an entry fits");
+
+struct request {
+	uint32_t offset;
+	uint16_t sequence;
+	uint8_t session;
+	uint8_t opcode;
+	uint8_t size;
+	const char *path; /* without leading '/', not terminated */
+	size_t path_length;
+};
+
+/* A part of a frame's answer: what an operation fills in. */
+struct answer {
+	uint8_t session;
+	uint8_t size;
+	uint8_t *data; /* MAVLINK_FTP_DATA_MAX bytes */
+};
+
+void mavlink_ftp_init(struct mavlink_ftp *self, const struct mavlink_files *files)
+{
+	memset(self, 0, sizeof(*self));
+	self->files = files;
+}
+
+/* --- wire ------------------------------------------------------------------------------------- */
+
+static uint32_t get_le(const struct mavlink_frame *frame, uint8_t at, uint8_t bytes)
+{
+	uint32_t value = 0;
+
+	for (uint8_t i = 0; i < bytes; i++) {
+		value |= (uint32_t)mavlink_frame_byte(frame, (uint8_t)(PAYLOAD_OFFSET + at + i))
+		         << (8 * i);
+	}
+	return value;
+}
+
+static void put_le(uint8_t *to, uint32_t value, uint8_t bytes)
+{
+	for (uint8_t i = 0; i < bytes; i++) {
+		to[i] = (uint8_t)(value >> (8 * i));
+	}
+}
+
+/* The path ends at its size, at a 0, or where the frame was truncated; "/a" and "a" are one. */
+static void read_path(const struct mavlink_frame *frame, struct request *request)
+{
+	const size_t start = PAYLOAD_OFFSET + AT_DATA;
+	const size_t there = frame->payload_length > start ? frame->payload_length - start : 0;
+	const char *path = (const char *)frame->payload + start;
+	size_t length = 0;
+
+	while (length < there && length < request->size && path[length] != '\0') {
+		length++;
+	}
+	while (length > 0 && *path == '/') {
+		path++;
+		length--;
+	}
+	request->path = path;
+	request->path_length = length;
+}
+
+static struct request read_request(const struct mavlink_frame *frame)
+{
+	struct request request = {
+		.sequence = (uint16_t)get_le(frame, AT_SEQUENCE, 2),
+		.session = (uint8_t)get_le(frame, AT_SESSION, 1),
+		.opcode = (uint8_t)get_le(frame, AT_OPCODE, 1),
+		.size = (uint8_t)get_le(frame, AT_SIZE, 1),
+		.offset = get_le(frame, AT_OFFSET, 4),
+	};
+
+	read_path(frame, &request);
+	return request;
+}
+
+static void write_reply(mavlink_file_transfer_protocol_t *wire, uint16_t sequence, uint8_t request,
+                        uint8_t session, uint32_t offset)
+{
+	memset(wire, 0, sizeof(*wire));
+	put_le(&wire->payload[AT_SEQUENCE], sequence, 2);
+	wire->payload[AT_SESSION] = session;
+	wire->payload[AT_OPCODE] = MAV_FTP_OPCODE_ACK;
+	wire->payload[AT_REQUEST] = request;
+	put_le(&wire->payload[AT_OFFSET], offset, 4);
+}
+
+/* --- files and sessions ----------------------------------------------------------------------- */
+
+static const struct mavlink_file *find_file(const struct mavlink_ftp *self,
+                                            const struct request *request)
+{
+	for (uint8_t i = 0; i < self->files->count; i++) {
+		const struct mavlink_file *const file = &self->files->files[i];
+
+		if (strlen(file->name) == request->path_length &&
+		    memcmp(file->name, request->path, request->path_length) == 0) {
+			return file;
+		}
+	}
+	return NULL;
+}
+
+static bool is_root(const struct request *request)
+{
+	return request->path_length == 0 || (request->path_length == 1 && request->path[0] == '.');
+}
+
+static bool is_whose(const struct mavlink_ftp_session *session,
+                     const struct mavlink_context *context)
+{
+	return session->link == context->link && session->system == context->source_system &&
+	       session->component == context->source_component;
+}
+
+/* The session of that id, if it is open and the asker's. */
+static struct mavlink_ftp_session *session_of(struct mavlink_ftp *self,
+                                              const struct mavlink_context *context, uint8_t id)
+{
+	struct mavlink_ftp_session *const session = &self->sessions[id % MAVLINK_FTP_SESSIONS];
+
+	if (id >= MAVLINK_FTP_SESSIONS || session->file == NULL || !is_whose(session, context)) {
+		return NULL;
+	}
+	session->used_us = context->now_us;
+	return session;
+}
+
+/* The session that this very request has opened before. */
+static struct mavlink_ftp_session *opened_by(struct mavlink_ftp *self,
+                                             const struct mavlink_context *context,
+                                             const struct request *request,
+                                             const struct mavlink_file *file)
+{
+	for (uint8_t i = 0; i < MAVLINK_FTP_SESSIONS; i++) {
+		struct mavlink_ftp_session *const session = &self->sessions[i];
+
+		if (session->file == file && is_whose(session, context) &&
+		    session->opened == request->sequence) {
+			return session;
+		}
+	}
+	return NULL;
+}
+
+/* A closed session, or the one that was idle for the longest, if that was long enough. */
+static struct mavlink_ftp_session *vacant(struct mavlink_ftp *self, int64_t now_us)
+{
+	struct mavlink_ftp_session *oldest = &self->sessions[0];
+
+	for (uint8_t i = 0; i < MAVLINK_FTP_SESSIONS; i++) {
+		struct mavlink_ftp_session *const session = &self->sessions[i];
+
+		if (session->file == NULL) {
+			return session;
+		}
+		if (session->used_us < oldest->used_us) {
+			oldest = session;
+		}
+	}
+	if (now_us - oldest->used_us < MAVLINK_FTP_IDLE_US) {
+		return NULL;
+	}
+	self->stats.evicted++;
+	return oldest;
+}
+
+/* --- operations: each returns a MAV_FTP_ERR ----------------------------------------------------
+ */
+
+/* "F", name, tab, size, 0; returns how long it is. */
+static uint8_t write_entry(uint8_t *to, const struct mavlink_file *file)
+{
+	const size_t name_length = strlen(file->name);
+	uint8_t digits[10];
+	uint8_t digit_count = 0;
+	uint32_t rest = file->length;
+	size_t at = 0;
+
+	PHAROS_ASSERT(name_length <= MAVLINK_FTP_NAME_MAX);
+	do {
+		digits[digit_count++] = (uint8_t)('0' + rest % 10);
+		rest /= 10;
+	} while (rest > 0);
+	to[at++] = 'F';
+	memcpy(to + at, file->name, name_length);
+	at += name_length;
+	to[at++] = '\t';
+	while (digit_count > 0) {
+		to[at++] = digits[--digit_count];
+	}
+	to[at++] = '\0';
+	return (uint8_t)at;
+}
+
+/* Whole entries, from the one that offset counts to, as many as fit. */
+static uint8_t list_directory(struct mavlink_ftp *self, const struct request *request,
+                              struct answer *answer)
+{
+	const uint8_t entry_max = 1 + MAVLINK_FTP_NAME_MAX + 1 + 10 + 1;
+
+	if (!is_root(request)) {
+		return MAV_FTP_ERR_FILENOTFOUND;
+	}
+	if (request->offset >= self->files->count) {
+		return MAV_FTP_ERR_EOF;
+	}
+	for (uint32_t i = request->offset;
+	     i < self->files->count && answer->size + entry_max <= MAVLINK_FTP_DATA_MAX; i++) {
+		answer->size = (uint8_t)(answer->size + write_entry(answer->data + answer->size,
+		                                                    &self->files->files[i]));
+	}
+	return MAV_FTP_ERR_NONE;
+}
+
+static uint8_t open_file(struct mavlink_ftp *self, const struct mavlink_context *context,
+                         const struct request *request, struct answer *answer)
+{
+	const struct mavlink_file *const file = find_file(self, request);
+	struct mavlink_ftp_session *session;
+
+	if (file == NULL) {
+		return MAV_FTP_ERR_FILENOTFOUND;
+	}
+	session = opened_by(self, context, request, file);
+	if (session == NULL) {
+		session = vacant(self, context->now_us);
+		if (session == NULL) {
+			return MAV_FTP_ERR_NOSESSIONSAVAILABLE;
+		}
+		*session = (struct mavlink_ftp_session){
+			.file = file,
+			.opened = request->sequence,
+			.link = context->link,
+			.system = context->source_system,
+			.component = context->source_component,
+		};
+	}
+	session->used_us = context->now_us;
+	answer->session = (uint8_t)(session - self->sessions);
+	answer->size = sizeof(file->length);
+	put_le(answer->data, file->length, sizeof(file->length));
+	return MAV_FTP_ERR_NONE;
+}
+
+static uint8_t terminate(struct mavlink_ftp *self, const struct mavlink_context *context,
+                         const struct request *request)
+{
+	struct mavlink_ftp_session *session = session_of(self, context, request->session);
+
+	if (session != NULL) {
+		session->file = NULL;
+		session->burst_length = 0;
+		session->closed = request->sequence;
+		session->was_closed = true;
+		return MAV_FTP_ERR_NONE;
+	}
+	session = &self->sessions[request->session % MAVLINK_FTP_SESSIONS];
+	return request->session < MAVLINK_FTP_SESSIONS && session->file == NULL &&
+	                       session->was_closed && session->closed == request->sequence &&
+	                       is_whose(session, context)
+	               ? MAV_FTP_ERR_NONE
+	               : MAV_FTP_ERR_INVALIDSESSION;
+}
+
+static void reset_sessions(struct mavlink_ftp *self, const struct mavlink_context *context)
+{
+	for (uint8_t i = 0; i < MAVLINK_FTP_SESSIONS; i++) {
+		if (is_whose(&self->sessions[i], context)) {
+			self->sessions[i] = (struct mavlink_ftp_session){0};
+		}
+	}
+}
+
+/* Up to size bytes at offset, which is before the end. */
+static uint8_t copy_part(const struct mavlink_file *file, uint32_t offset, uint8_t size,
+                         uint8_t *to)
+{
+	const uint32_t left = file->length - offset;
+	const uint8_t count = left < size ? (uint8_t)left : size;
+
+	memcpy(to, file->bytes + offset, count);
+	return count;
+}
+
+static uint8_t read_file(struct mavlink_ftp *self, const struct mavlink_context *context,
+                         const struct request *request, struct answer *answer)
+{
+	const struct mavlink_ftp_session *const session =
+		session_of(self, context, request->session);
+
+	if (session == NULL) {
+		return MAV_FTP_ERR_INVALIDSESSION;
+	}
+	if (request->size == 0) {
+		return MAV_FTP_ERR_INVALIDDATASIZE;
+	}
+	if (request->offset >= session->file->length) {
+		return MAV_FTP_ERR_EOF;
+	}
+	answer->size = copy_part(session->file, request->offset, request->size, answer->data);
+	return MAV_FTP_ERR_NONE;
+}
+
+/* Size 0 leaves the length of the parts to us. */
+static uint8_t burst_read(struct mavlink_ftp *self, const struct mavlink_context *context,
+                          const struct request *request)
+{
+	struct mavlink_ftp_session *const session = session_of(self, context, request->session);
+
+	if (session == NULL) {
+		return MAV_FTP_ERR_INVALIDSESSION;
+	}
+	if (request->offset >= session->file->length) {
+		return MAV_FTP_ERR_EOF;
+	}
+	session->burst_length = request->size != 0 ? request->size : MAVLINK_FTP_DATA_MAX;
+	session->burst_offset = request->offset;
+	session->burst_sequence = (uint16_t)(request->sequence + 1);
+	session->burst_us = context->now_us;
+	return MAV_FTP_ERR_NONE;
+}
+
+static uint8_t calculate_crc(const struct mavlink_ftp *self, const struct request *request,
+                             struct answer *answer)
+{
+	const struct mavlink_file *const file = find_file(self, request);
+
+	if (file == NULL) {
+		return MAV_FTP_ERR_FILENOTFOUND;
+	}
+	answer->size = sizeof(file->crc32);
+	put_le(answer->data, file->crc32, sizeof(file->crc32));
+	return MAV_FTP_ERR_NONE;
+}
+
+static uint8_t operate(struct mavlink_ftp *self, const struct mavlink_context *context,
+                       const struct request *request, struct answer *answer)
+{
+	if (request->size > MAVLINK_FTP_DATA_MAX) {
+		return MAV_FTP_ERR_INVALIDDATASIZE;
+	}
+	switch (request->opcode) {
+	case MAV_FTP_OPCODE_NONE:
+		return MAV_FTP_ERR_NONE;
+	case MAV_FTP_OPCODE_TERMINATESESSION:
+		return terminate(self, context, request);
+	case MAV_FTP_OPCODE_RESETSESSION:
+		reset_sessions(self, context);
+		return MAV_FTP_ERR_NONE;
+	case MAV_FTP_OPCODE_LISTDIRECTORY:
+		return list_directory(self, request, answer);
+	case MAV_FTP_OPCODE_OPENFILERO:
+		return open_file(self, context, request, answer);
+	case MAV_FTP_OPCODE_READFILE:
+		return read_file(self, context, request, answer);
+	case MAV_FTP_OPCODE_CALCFILECRC:
+		return calculate_crc(self, request, answer);
+	case MAV_FTP_OPCODE_BURSTREADFILE:
+		return burst_read(self, context, request);
+	case MAV_FTP_OPCODE_CREATEFILE:
+	case MAV_FTP_OPCODE_WRITEFILE:
+	case MAV_FTP_OPCODE_REMOVEFILE:
+	case MAV_FTP_OPCODE_CREATEDIRECTORY:
+	case MAV_FTP_OPCODE_REMOVEDIRECTORY:
+	case MAV_FTP_OPCODE_OPENFILEWO:
+	case MAV_FTP_OPCODE_TRUNCATEFILE:
+	case MAV_FTP_OPCODE_RENAME:
+		return MAV_FTP_ERR_FILEPROTECTED;
+	default:
+		return MAV_FTP_ERR_UNKNOWNCOMMAND;
+	}
+}
+
+/* --- in and out ------------------------------------------------------------------------------- */
+
+static const struct mavlink_kind kind = MAVLINK_KIND(FILE_TRANSFER_PROTOCOL);
+
+void mavlink_ftp_receive(struct mavlink_ftp *self, const struct mavlink_context *context,
+                         const struct mavlink_frame *frame)
+{
+	const struct request request = read_request(frame);
+	mavlink_file_transfer_protocol_t wire;
+	struct answer answer = {.session = request.session, .data = &wire.payload[AT_DATA]};
+	uint8_t error;
+
+	/* somebody's answer to somebody else */
+	if (request.opcode == MAV_FTP_OPCODE_ACK || request.opcode == MAV_FTP_OPCODE_NAK) {
+		return;
+	}
+	self->stats.requests++;
+	write_reply(&wire, (uint16_t)(request.sequence + 1), request.opcode, 0, request.offset);
+	error = operate(self, context, &request, &answer);
+	if (error == MAV_FTP_ERR_NONE && request.opcode == MAV_FTP_OPCODE_BURSTREADFILE) {
+		return; /* the step sends it */
+	}
+	if (error != MAV_FTP_ERR_NONE) {
+		self->stats.refused += error == MAV_FTP_ERR_EOF ? 0 : 1;
+		wire.payload[AT_OPCODE] = MAV_FTP_OPCODE_NAK;
+		answer.size = 1;
+		answer.data[0] = error;
+	}
+	wire.payload[AT_SESSION] = answer.session;
+	wire.payload[AT_SIZE] = answer.size;
+	wire.target_system = context->source_system;
+	wire.target_component = context->source_component;
+	(void)mavlink_send(context, context->link, &kind, &wire);
+}
+
+static void send_part(struct mavlink_ftp *self, const struct mavlink_context *context,
+                      struct mavlink_ftp_session *session)
+{
+	mavlink_file_transfer_protocol_t wire;
+
+	write_reply(&wire, session->burst_sequence, MAV_FTP_OPCODE_BURSTREADFILE,
+	            (uint8_t)(session - self->sessions), session->burst_offset);
+
+	const uint8_t size = copy_part(session->file, session->burst_offset, session->burst_length,
+	                               &wire.payload[AT_DATA]);
+
+	wire.payload[AT_SIZE] = size;
+	wire.target_system = session->system;
+	wire.target_component = session->component;
+	session->burst_sequence++;
+	session->burst_offset += size;
+	session->used_us = context->now_us;
+	if (session->burst_offset == session->file->length) {
+		wire.payload[AT_BURST_COMPLETE] = 1;
+		session->burst_length = 0;
+	}
+	(void)mavlink_send_bulk(context, session->link, &kind, &wire);
+}
+
+bool mavlink_ftp_step(struct mavlink_ftp *self, const struct mavlink_context *context)
+{
+	for (uint8_t i = 0; i < MAVLINK_FTP_SESSIONS; i++) {
+		struct mavlink_ftp_session *const session = &self->sessions[i];
+
+		if (session->burst_length == 0 || session->burst_us > context->now_us) {
+			continue;
+		}
+		if ((context->endpoint->config.links & 1u << session->link) == 0) {
+			session->burst_length = 0;
+			continue;
+		}
+		session->burst_us = mavlink_bulk_due_us(context->endpoint, session->link);
+		if (session->burst_us > context->now_us) {
+			continue;
+		}
+		if (!mavlink_outbox_has_room(context->out)) {
+			return false;
+		}
+		send_part(self, context, session);
+		session->burst_us = mavlink_bulk_due_us(context->endpoint, session->link);
+	}
+	return true;
+}
+
+int64_t mavlink_ftp_deadline_us(const struct mavlink_ftp *self)
+{
+	int64_t due_us = TIME_NEVER_US;
+
+	for (uint8_t i = 0; i < MAVLINK_FTP_SESSIONS; i++) {
+		const struct mavlink_ftp_session *const session = &self->sessions[i];
+
+		if (session->burst_length != 0 && session->burst_us < due_us) {
+			due_us = session->burst_us;
+		}
+	}
+	return due_us;
+}
+
+void mavlink_fill_metadata(const struct mavlink_file *general, int64_t now_us, void *payload)
+{
+	static const char scheme[] = "mftp://";
+	mavlink_component_metadata_t *const metadata = payload;
+	const size_t scheme_length = sizeof(scheme) - 1;
+
+	_Static_assert(sizeof(scheme) + MAVLINK_FTP_NAME_MAX <= sizeof(metadata->uri),
+	               "a URI fits");
+	PHAROS_ASSERT(strlen(general->name) <= MAVLINK_FTP_NAME_MAX);
+	metadata->time_boot_ms = (uint32_t)(now_us / US_PER_MS);
+	metadata->file_crc = general->crc32;
+	memcpy(metadata->uri, scheme, scheme_length);
+	memcpy(metadata->uri + scheme_length, general->name, strlen(general->name));
+}

@@ -1,0 +1,236 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * MAVLink FTP by the frame. Opcodes and errors are numbers of mavlink.io/en/services/ftp.html;
+ * where a payload's fields lie too: sequence 0, session 2, opcode 3, size 4, request 5, burst
+ * complete 6, offset 8, data 12.
+ */
+#include "fixture.h"
+
+#define FILES       12
+#define NAME_FORMAT "a-file-with-a-rather-long-nam-"
+
+static uint8_t content[1000];
+static struct mavlink_file served[FILES];
+static char names[FILES][33];
+static const struct mavlink_files files = {served, FILES};
+
+/* File 0 is empty, file 1 has all of content, the others a byte. */
+static void before(void *unused)
+{
+	fixture_before(unused);
+	memset(content, 0x55, sizeof(content)); /* zeros would be truncated on the wire */
+	for (uint8_t i = 0; i < FILES; i++) {
+		memcpy(names[i], NAME_FORMAT, sizeof(NAME_FORMAT));
+		names[i][sizeof(NAME_FORMAT) - 1] = (char)('a' + i);
+		served[i] = (struct mavlink_file){names[i], content, 1, 0xA0000000u + i};
+	}
+	served[0].length = 0;
+	served[1].length = sizeof(content);
+	mavlink_ftp_init(&service.ftp, &files);
+}
+
+ZTEST_SUITE(mavlink_ftp, NULL, NULL, before, NULL, NULL);
+
+struct ask {
+	uint16_t sequence;
+	uint8_t session;
+	uint8_t opcode;
+	uint8_t size;
+	uint32_t offset;
+	const char *path;
+};
+
+static void send(uint8_t link, struct ask ask)
+{
+	static const struct mavlink_kind kind = MAVLINK_KIND(FILE_TRANSFER_PROTOCOL);
+	mavlink_file_transfer_protocol_t wire = {.target_system = 1, .target_component = 243};
+
+	memcpy(&wire.payload[0], &ask.sequence, 2);
+	wire.payload[2] = ask.session;
+	wire.payload[3] = ask.opcode;
+	wire.payload[4] = ask.path != NULL ? (uint8_t)strlen(ask.path) : ask.size;
+	memcpy(&wire.payload[8], &ask.offset, 4);
+	if (ask.path != NULL) {
+		memcpy(&wire.payload[12], ask.path, strlen(ask.path));
+	}
+	receive_message(link, &kind, &wire);
+}
+
+/* The payload of frame i of the outbox. */
+static const uint8_t *reply(uint16_t i)
+{
+	static mavlink_file_transfer_protocol_t wire;
+
+	sent_payload(i, 110, &wire, sizeof(wire));
+	zassert_equal(wire.target_system, 255);
+	zassert_equal(wire.target_component, 190);
+	return wire.payload;
+}
+
+static const uint8_t *asked(struct ask ask)
+{
+	send(0, ask);
+	zassert_equal(out.count, 1);
+	return reply(0);
+}
+
+static void assert_error(const uint8_t *payload, uint8_t error)
+{
+	zassert_equal(payload[3], 129, "acknowledged");
+	zassert_equal(payload[4], 1);
+	zassert_equal(payload[12], error, "error %u, not %u", payload[12], error);
+}
+
+static void assert_ok(const uint8_t *payload)
+{
+	zassert_equal(payload[3], 128, "error %u", payload[12]);
+}
+
+static uint8_t opened(uint16_t sequence, uint8_t file)
+{
+	const uint8_t *const payload =
+		asked((struct ask){.sequence = sequence, .opcode = 4, .path = names[file]});
+
+	assert_ok(payload);
+	return payload[2];
+}
+
+ZTEST(mavlink_ftp, test_every_field_of_an_answer)
+{
+	static const uint8_t expected[] = {0x35, 0x12, 0, 128, 4,    4,    0, 0,
+	                                   0,    0,    0, 0,   0xE8, 0x03, 0, 0};
+
+	zassert_mem_equal(asked((struct ask){.sequence = 0x1234, .opcode = 4, .path = names[1]}),
+	                  expected, sizeof(expected));
+}
+
+ZTEST(mavlink_ftp, test_listing_goes_on_where_an_answer_was_full)
+{
+	uint32_t found = 0;
+	uint8_t answers = 0;
+
+	for (;;) {
+		const uint8_t *const payload =
+			asked((struct ask){.opcode = 3, .offset = found, .path = "/"});
+
+		if (payload[3] == 129) {
+			assert_error(payload, 6);
+			break;
+		}
+		for (uint8_t at = 0; at < payload[4];) {
+			const char *const entry = (const char *)&payload[12 + at];
+
+			zassert_equal(entry[0], 'F');
+			zassert_mem_equal(&entry[1], names[found], strlen(names[found]));
+			zassert_equal(entry[1 + strlen(names[found])], '\t');
+			zassert_str_equal(&entry[2 + strlen(names[found])], found == 0   ? "0"
+			                                                    : found == 1 ? "1000"
+			                                                                 : "1");
+			at = (uint8_t)(at + strlen(entry) + 1);
+			found++;
+		}
+		answers++;
+	}
+	zassert_equal(found, FILES);
+	/* 35 bytes each, 38 the one of 1000; the sixth is sure to fit into 239, the seventh isn't
+	 */
+	zassert_equal(answers, 2);
+}
+
+ZTEST(mavlink_ftp, test_an_empty_file_ends_at_once)
+{
+	const uint8_t session = opened(0, 0);
+
+	assert_error(asked((struct ask){.session = session, .opcode = 5, .size = 9}), 6);
+	assert_error(asked((struct ask){.session = session, .opcode = 15, .size = 9}), 6);
+}
+
+ZTEST(mavlink_ftp, test_checksum_is_the_files_own)
+{
+	static const uint8_t crc[] = {0x0B, 0, 0, 0xA0};
+	const uint8_t *const payload = asked((struct ask){.opcode = 14, .path = names[11]});
+
+	zassert_equal(payload[4], 4);
+	zassert_mem_equal(&payload[12], crc, sizeof(crc));
+}
+
+/* Frames of FTP sent from now until then. */
+static uint32_t parts_until(int64_t until_us)
+{
+	return run_until(until_us).others[0];
+}
+
+ZTEST(mavlink_ftp, test_a_burst_ends_when_its_link_goes)
+{
+	(void)run_until(SECOND);
+	send(0, (struct ask){.session = opened(0, 1), .opcode = 15, .size = 10});
+	zassert_true(parts_until(now_us + SECOND / 2) >= 1);
+	mavlink_endpoint_link_down(&endpoint, 0);
+	zassert_equal(parts_until(now_us + 10 * SECOND), 0);
+	mavlink_endpoint_link_up(&endpoint, now_us, 0);
+	zassert_equal(parts_until(now_us + 10 * SECOND), 0);
+}
+
+ZTEST(mavlink_ftp, test_a_burst_goes_on_after_a_full_outbox)
+{
+	struct mavlink_context context = {
+		.endpoint = &endpoint, .component = &endpoint.components[0], .out = &out};
+
+	(void)run_until(SECOND);
+	send(0, (struct ask){.session = opened(0, 1), .opcode = 15, .size = 239});
+	context.now_us = now_us;
+	out.count = MAVLINK_OUTBOX_FRAMES;
+	zassert_false(mavlink_ftp_step(&service.ftp, &context));
+	zassert_true(mavlink_ftp_deadline_us(&service.ftp) <= now_us, "it is still due");
+	zassert_equal(parts_until(now_us + 5 * SECOND), 5, "1000 bytes in parts of 239");
+	zassert_equal(mavlink_ftp_deadline_us(&service.ftp), TIME_NEVER_US);
+}
+
+ZTEST(mavlink_ftp, test_two_bursts_on_one_link_share_its_pace)
+{
+	(void)run_until(SECOND);
+
+	const uint8_t one = opened(0, 1);
+	const uint8_t two = opened(2, 1);
+
+	send(0, (struct ask){.session = one, .opcode = 15, .size = 239});
+	send(0, (struct ask){.session = two, .opcode = 15, .size = 239});
+
+	const int64_t begin_us = now_us;
+	uint32_t parts = 0;
+
+	while (parts < 10) {
+		parts += parts_until(now_us + 1000);
+	}
+	/*
+	 * 5760 bytes a second, 45 % of them for bulk; 2 x (4 frames of 266 bytes and one of 71);
+	 * the first goes at once, and the last need not be waited for
+	 */
+	const int64_t least_us = (int64_t)(2 * (4 * 266 + 71) - 266) * 1000000 * 100 / (5760 * 45);
+
+	zassert_true(now_us - begin_us >= least_us, "%d us", (int)(now_us - begin_us));
+	zassert_true(now_us - begin_us <= least_us * 11 / 10, "%d us", (int)(now_us - begin_us));
+}
+
+ZTEST(mavlink_ftp, test_version_1_can_read_too)
+{
+	static const struct mavlink_kind kind = MAVLINK_KIND(FILE_TRANSFER_PROTOCOL);
+	const struct mavlink_sender ground = {.version = 1, .system_id = 255, .component_id = 190};
+	const mavlink_file_transfer_protocol_t wire = {
+		.target_system = 1, .target_component = 243, .payload = {[3] = 3}};
+	uint8_t bytes[MAVLINK_FRAME_MAX];
+
+	receive(0, bytes, mavlink_frame_build(bytes, &ground, &kind, &wire));
+	zassert_equal(out.count, 1);
+	zassert_equal(sent(0).version, 1);
+	zassert_equal(reply(0)[3], 128);
+}
+
+ZTEST(mavlink_ftp, test_refusals_are_counted_and_ends_are_not)
+{
+	(void)asked((struct ask){.opcode = 5, .session = 9, .size = 1}); /* no such session */
+	(void)asked((struct ask){.opcode = 6, .path = "x"});             /* create */
+	(void)asked((struct ask){.opcode = 3, .offset = 99});            /* end of the list */
+	zassert_equal(service.ftp.stats.requests, 3);
+	zassert_equal(service.ftp.stats.refused, 2);
+}
