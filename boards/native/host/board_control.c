@@ -81,6 +81,19 @@ static json_t *servos_object(void)
 	return object;
 }
 
+static json_t *lcd_object(void)
+{
+	json_t *object = json_object();
+	json_t *lines = json_array();
+
+	for (size_t line = 0; line < LCD_LINES; line++) {
+		json_array_append_new(lines, json_stringn(board.lcd.text[line], LCD_COLUMNS));
+	}
+	control_put_bool(object, "on", board.lcd.on);
+	json_object_set_new(object, "lines", lines);
+	return object;
+}
+
 static void put_lamp(json_t *reply)
 {
 	const struct lamp *lamp = &board.lamp;
@@ -123,6 +136,8 @@ static enum control_result run_outputs(struct control_call *call)
 	json_object_set_new(call->reply, "lines", lines_object());
 	json_object_set_new(call->reply, "pwm", pwm_array());
 	json_object_set_new(call->reply, "servos", servos_object());
+	json_object_set_new(call->reply, "lcd", lcd_object());
+	control_put_integer(call->reply, "focus_ppm", focus_motor_ppm(&board.focus));
 	control_put_integer(call->reply, "resets", world.resets);
 	control_put_string(call->reply, "reset_cause", reset_cause_name(reset_last_cause()));
 	control_put_integer(call->reply, "reset_us", (int64_t)clock_boot_us());

@@ -14,6 +14,14 @@
 #define LAMP_HEAT     0.7
 #define ELECTRONICS_W 4.0
 
+/* From flood to spot. */
+#define FOCUS_TRAVEL_US 4000000
+
+/* Pulled up on the board: a switch is closed until the device opens it. */
+#define POWER_LINES                                                                                \
+	(1u << BOARD_LINE_POWER_LAMP | 1u << BOARD_LINE_POWER_GIMBAL |                             \
+	 1u << BOARD_LINE_POWER_CAMERA | 1u << BOARD_LINE_POWER_AUX)
+
 static const struct thermal_mass_params housing_params = {
 	.capacity_j_per_k = 60.0,
 	.fan_k_per_w = 1.6,
@@ -34,10 +42,16 @@ static const char *const line_names[BOARD_LINE_COUNT] = {
 	[BOARD_LINE_SYNC] = "sync",
 	[BOARD_LINE_BUTTON] = "button",
 	[BOARD_LINE_DRIVER_FAULT] = "driver_fault",
-	[BOARD_LINE_AUX0] = "aux0",
-	[BOARD_LINE_AUX1] = "aux1",
-	[BOARD_LINE_AUX2] = "aux2",
-	[BOARD_LINE_AUX3] = "aux3",
+	[BOARD_LINE_OUT0] = "out0",
+	[BOARD_LINE_OUT1] = "out1",
+	[BOARD_LINE_IN0] = "in0",
+	[BOARD_LINE_IN1] = "in1",
+	[BOARD_LINE_POWER_LAMP] = "power_lamp",
+	[BOARD_LINE_POWER_GIMBAL] = "power_gimbal",
+	[BOARD_LINE_POWER_CAMERA] = "power_camera",
+	[BOARD_LINE_POWER_AUX] = "power_aux",
+	[BOARD_LINE_FOCUS_IN] = "focus_in",
+	[BOARD_LINE_FOCUS_OUT] = "focus_out",
 };
 
 /* In the order of <pharos/drivers/probe.h>. */
@@ -72,6 +86,10 @@ void board_init(double ambient_c, uint64_t seed)
 	thermal_mass_init(&board.housing, &housing_params, ambient_c);
 	thermal_mass_set_heat(&board.housing, 0, ELECTRONICS_W);
 	ntc_input_init(&board.thermistor, &thermistor_params, seed);
+	board.lines.driven = POWER_LINES;
+	board.lines.driven_level = POWER_LINES;
+	focus_motor_init(&board.focus, FOCUS_TRAVEL_US);
+	lcd_reset(&board.lcd);
 }
 
 static void outside_changed(void)
@@ -140,6 +158,11 @@ int board_adc_convert(int64_t now_us, uint32_t channel, unsigned int bits, uint1
 	return 0;
 }
 
+static bool is_high(uint32_t levels, enum board_line line)
+{
+	return (levels & (1u << line)) != 0;
+}
+
 static void lines_changed(int64_t now_us, uint32_t before)
 {
 	const uint32_t after = lines_levels(&board.lines);
@@ -148,7 +171,11 @@ static void lines_changed(int64_t now_us, uint32_t before)
 		return;
 	}
 	outside_changed();
-	if (lamp_set_enable(&board.lamp, now_us, (after & (1u << BOARD_LINE_LAMP_ENABLE)) != 0)) {
+	focus_motor_run(&board.focus, now_us, is_high(after, BOARD_LINE_FOCUS_IN),
+	                is_high(after, BOARD_LINE_FOCUS_OUT));
+	if (lamp_set_enable(&board.lamp, now_us,
+	                    is_high(after, BOARD_LINE_LAMP_ENABLE) &&
+	                            is_high(after, BOARD_LINE_POWER_LAMP))) {
 		light_changed(now_us);
 	}
 	if (board_listener.lines != NULL) {
@@ -203,6 +230,7 @@ void board_mcu_reset(int64_t now_us)
 	if (lamp_set_duty(&board.lamp, now_us, 0)) {
 		light_changed(now_us);
 	}
+	lcd_reset(&board.lcd);
 	for (unsigned int channel = 0; channel < BOARD_PROBE_COUNT; channel++) {
 		board_probe(now_us, channel, 0);
 	}
@@ -215,6 +243,7 @@ void board_advance(int64_t now_us)
 	for (uint32_t servo = 0; servo < BOARD_SERVO_COUNT; servo++) {
 		servo_advance(&board.servos[servo], now_us);
 	}
+	focus_motor_advance(&board.focus, now_us);
 }
 
 void board_line_drive_late(int64_t now_us, uint32_t line, bool level, int64_t edge_us)

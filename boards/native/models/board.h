@@ -11,7 +11,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "models/focus_motor.h"
 #include "models/lamp.h"
+#include "models/lcd.h"
 #include "models/lines.h"
 #include "models/ntc_input.h"
 #include "models/servo.h"
@@ -21,7 +23,11 @@ enum board_pwm_channel {
 	BOARD_PWM_LAMP,
 	BOARD_PWM_SERVO_PAN,
 	BOARD_PWM_SERVO_TILT,
-	BOARD_PWM_AUX,
+	BOARD_PWM_AUX0,
+	BOARD_PWM_AUX1,
+	BOARD_PWM_THRUSTER,
+	BOARD_PWM_LED_STATUS,
+	BOARD_PWM_LED_SIGNAL,
 	BOARD_PWM_COUNT,
 };
 
@@ -35,10 +41,16 @@ enum board_line {
 	BOARD_LINE_SYNC,
 	BOARD_LINE_BUTTON,
 	BOARD_LINE_DRIVER_FAULT,
-	BOARD_LINE_AUX0,
-	BOARD_LINE_AUX1,
-	BOARD_LINE_AUX2,
-	BOARD_LINE_AUX3,
+	BOARD_LINE_OUT0,
+	BOARD_LINE_OUT1,
+	BOARD_LINE_IN0,
+	BOARD_LINE_IN1,
+	BOARD_LINE_POWER_LAMP, /* switches of the power channels, closed unless driven low */
+	BOARD_LINE_POWER_GIMBAL,
+	BOARD_LINE_POWER_CAMERA,
+	BOARD_LINE_POWER_AUX,
+	BOARD_LINE_FOCUS_IN,
+	BOARD_LINE_FOCUS_OUT,
 	BOARD_LINE_COUNT,
 };
 
@@ -63,6 +75,8 @@ struct board {
 	struct thermal_mass housing;
 	struct ntc_input thermistor;
 	struct lines lines;
+	struct focus_motor focus;
+	struct lcd lcd;
 	int64_t edge_us[BOARD_LINE_COUNT]; /* when the world last drove the line */
 	struct board_pwm pwm[BOARD_PWM_COUNT];
 	struct servo servos[BOARD_SERVO_COUNT];

@@ -4,6 +4,7 @@
 
 #include <zephyr/device.h>
 #include <zephyr/devicetree.h>
+#include <zephyr/drivers/auxdisplay.h>
 #include <zephyr/drivers/gpio.h>
 #include <zephyr/drivers/pwm.h>
 #include <zephyr/drivers/watchdog.h>
@@ -39,7 +40,7 @@ BUILD_ASSERT(DT_IO_CHANNELS_INPUT(DT_ALIAS(thermistor0)) == 0);
 #define COUNT_ONE(node_id) +1
 BUILD_ASSERT((0 DT_FOREACH_STATUS_OKAY(pharos_uart_host, COUNT_ONE)) == 5);
 BUILD_ASSERT((0 DT_FOREACH_STATUS_OKAY(no_such_compat, COUNT_ONE)) == 0);
-BUILD_ASSERT((0 DT_FOREACH_CHILD(DT_INST(0, pharos_input_lines), COUNT_ONE)) == 3);
+BUILD_ASSERT((0 DT_FOREACH_CHILD(DT_INST(0, pharos_input_lines), COUNT_ONE)) == 5);
 
 ZTEST(device, test_strings)
 {
@@ -156,6 +157,25 @@ ZTEST(device, test_watchdog_is_quiet_while_fed_and_when_disabled)
 	}
 	zassert_ok(wdt_disable(wdt));
 	k_msleep(1000);
+}
+
+ZTEST(device, test_display_shows_what_is_written_where)
+{
+	const struct device *const lcd = DEVICE_DT_GET(DT_NODELABEL(lcd0));
+
+	zassert_ok(auxdisplay_clear(lcd));
+	zassert_ok(auxdisplay_display_on(lcd));
+	zassert_true(board.lcd.on);
+	zassert_ok(auxdisplay_cursor_position_set(lcd, AUXDISPLAY_POSITION_ABSOLUTE, 14, 1));
+	zassert_ok(auxdisplay_write(lcd, (const uint8_t *)"abc", 3));
+	zassert_mem_equal(board.lcd.text[1], "              ab", LCD_COLUMNS);
+	zassert_mem_equal(board.lcd.text[0], "                ", LCD_COLUMNS);
+	zassert_equal(auxdisplay_cursor_position_set(lcd, AUXDISPLAY_POSITION_ABSOLUTE, 0, 2),
+	              -EINVAL);
+	zassert_equal(auxdisplay_cursor_position_set(lcd, AUXDISPLAY_POSITION_ABSOLUTE, 16, 0),
+	              -EINVAL);
+	zassert_ok(auxdisplay_display_off(lcd));
+	zassert_false(board.lcd.on);
 }
 
 ZTEST_SUITE(device, NULL, NULL, NULL, NULL, NULL);

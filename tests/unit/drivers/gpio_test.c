@@ -11,7 +11,7 @@
 static const struct device *const port = DEVICE_DT_GET(DT_NODELABEL(gpio0));
 static const struct gpio_dt_spec button = GPIO_DT_SPEC_GET(DT_ALIAS(button0), gpios);
 
-#define LINE BOARD_LINE_AUX0
+#define LINE BOARD_LINE_OUT0
 
 static struct gpio_callback callback;
 static int calls;

@@ -7,6 +7,9 @@
 #define S INT64_C(1000000)
 
 #define ENABLE (1u << BOARD_LINE_LAMP_ENABLE)
+#define POWER                                                                                      \
+	(1u << BOARD_LINE_POWER_LAMP | 1u << BOARD_LINE_POWER_GIMBAL |                             \
+	 1u << BOARD_LINE_POWER_CAMERA | 1u << BOARD_LINE_POWER_AUX)
 
 static int lit_changes;
 
@@ -73,7 +76,7 @@ ZTEST(board, test_pwm_and_enable_line_make_light)
 	zassert_equal(board.pwm[BOARD_PWM_LAMP].pulse_ns, 125000);
 	zassert_equal(lit_changes, 1);
 	zassert_equal(lamp_change_at(&board.lamp, 0)->time_us, 5);
-	zassert_ok(board_pwm_set(6, BOARD_PWM_AUX, 1000, 500, 1000));
+	zassert_ok(board_pwm_set(6, BOARD_PWM_AUX0, 1000, 500, 1000));
 	zassert_equal(board.lamp.level_ppm, 250000, "another channel is not the lamp");
 	zassert_equal(board_pwm_set(6, BOARD_PWM_COUNT, 1000, 500, 1000), -1);
 }
@@ -87,8 +90,36 @@ ZTEST(board, test_reset_puts_the_lamp_out_at_that_instant)
 	zassert_equal(board.lamp.level_ppm, 0);
 	zassert_equal(lamp_change_at(&board.lamp, board.lamp.changes - 1)->time_us, 2 * S);
 	zassert_equal(board.probes[3], 0);
-	zassert_equal(board_lines_read(), 1u << BOARD_LINE_SYNC, "the world goes on");
+	zassert_equal(board_lines_read() & ~POWER, 1u << BOARD_LINE_SYNC, "the world goes on");
 	zassert_within(lamp_energy_mj(&board.lamp), 60000.0, 1e-6);
+}
+
+ZTEST(board, test_lamp_needs_the_power_that_a_floating_switch_gives)
+{
+	const uint32_t power = 1u << BOARD_LINE_POWER_LAMP;
+
+	light_up(0, 50);
+	zassert_equal(board_lines_read() & POWER, POWER);
+	zassert_equal(board.lamp.level_ppm, 500000);
+	board_lines_configure(1 * S, ENABLE | power, ENABLE, 0);
+	zassert_equal(board.lamp.level_ppm, 0);
+	board_lines_configure(2 * S, ENABLE | power, ENABLE | power, 0);
+	zassert_equal(board.lamp.level_ppm, 500000);
+}
+
+ZTEST(board, test_focus_motor_follows_its_lines)
+{
+	const uint32_t in = 1u << BOARD_LINE_FOCUS_IN;
+	const uint32_t out = 1u << BOARD_LINE_FOCUS_OUT;
+
+	board_lines_configure(0, in | out, in, 0);
+	board_lines_configure(3 * S, in | out, out, 0);
+	board_advance(4 * S);
+	/* 3 of 4 s in, 1 out */
+	zassert_equal(focus_motor_ppm(&board.focus), 500000);
+	board_mcu_reset(4 * S);
+	board_advance(60 * S);
+	zassert_equal(focus_motor_ppm(&board.focus), 500000, "nobody drives it");
 }
 
 static int probed;
