@@ -49,6 +49,19 @@ def test_stalled_command_thread_falls_silent(udp_light: Light) -> None:
         assert of("HEARTBEAT", came) == [], f"a heartbeat after {stalled_us} µs came from a timer"
 
 
+@pytest.mark.parametrize("waiting", range(9))
+def test_odd_numbers_of_bytes_that_wait_over_a_reset_shift_nothing(
+    udp_light: Light, waiting: int
+) -> None:
+    """What is carried over lies behind them; a sanitizer notices when it is not aligned."""
+    before = udp_light.sim.wires()["uart0"].rx_bytes
+    udp_light.mav.link.send(bytes(waiting))
+    udp_light.sim.reset()
+    udp_light.greet()
+    assert udp_light.on() == ACCEPTED
+    assert udp_light.sim.wires()["uart0"].rx_bytes >= before + waiting
+
+
 def test_reset_cause_is_said_after_boot(udp_light: Light) -> None:
     udp_light.sim.fault("thread", "stalled", name="command")
     udp_light.sim.advance(s=BITE_S)

@@ -22,12 +22,14 @@ enum {
 	NAME_MAX_LENGTH = 48
 };
 
-/* The memfd holds a sequence of these, each followed by its data. */
+/* The memfd holds a sequence of these, each followed by its data and by zeros up to the next. */
 struct record {
 	uint32_t magic;
 	uint32_t size;
 	char name[NAME_MAX_LENGTH];
 };
+
+_Static_assert(sizeof(struct record) % CARRY_ALIGNMENT == 0, "what follows is aligned");
 
 struct registered {
 	const char *name;
@@ -48,8 +50,14 @@ static _Noreturn void fail(const char *what)
 	_exit(1);
 }
 
+static size_t padding(size_t size)
+{
+	return (CARRY_ALIGNMENT - size % CARRY_ALIGNMENT) % CARRY_ALIGNMENT;
+}
+
 void carry_put(const char *name, const void *data, size_t size)
 {
+	static const uint8_t zeros[CARRY_ALIGNMENT];
 	struct record record = {.magic = CARRY_MAGIC, .size = (uint32_t)size};
 
 	if (strlen(name) >= sizeof(record.name) || size > UINT32_MAX / 2) {
@@ -58,6 +66,7 @@ void carry_put(const char *name, const void *data, size_t size)
 	memcpy(record.name, name, strlen(name));
 	buffer_append(&saved, &record, sizeof(record), SIZE_MAX / 2);
 	buffer_append(&saved, data, size, SIZE_MAX / 2);
+	buffer_append(&saved, zeros, padding(size), SIZE_MAX / 2);
 }
 
 const void *carry_get(const char *name, size_t *size)
@@ -74,7 +83,7 @@ const void *carry_get(const char *name, size_t *size)
 			*size = record.size;
 			return carried.data + at;
 		}
-		at += record.size;
+		at += record.size + padding(record.size);
 	}
 	*size = 0;
 	return NULL;

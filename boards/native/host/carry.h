@@ -14,6 +14,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#define CARRY_ALIGNMENT 8
+
 /* Saved at each reset under this name; carried data, if there is any of this size, is copied in:
  * true then. */
 bool carry_register(const char *name, void *data, size_t size);
@@ -24,7 +26,8 @@ void carry_put(const char *name, const void *data, size_t size);
 /* Save hooks only: this descriptor stays open over the exec (all others are close-on-exec). */
 void carry_fd(int fd);
 
-/* What was saved under this name and its size; NULL: nothing. Valid in start hooks. */
+/* What was saved under this name and its size, aligned to CARRY_ALIGNMENT; NULL: nothing. Valid in
+ * start hooks. */
 const void *carry_get(const char *name, size_t *size);
 
 /* This process's kernel was started by a reset, not by power-on. */
