@@ -22,14 +22,14 @@
 #endif
 #define LINKS_MAX (UART_LINKS_MAX + TUNNEL_LINKS_MAX)
 
-/* Bytes of a UART's receive ring: 22 ms at 921600 baud. */
-#define UART_RX_RING_SIZE 2048
+/* Bytes of a UART's receive ring. */
+#define UART_RX_RING_SIZE CONFIG_PHAROS_UART_RX_RING
 /* Bytes of its transmit ring; each frame takes two more for its length. The longest frame. */
 #ifdef CONFIG_PHAROS_IMC
 #define UART_TX_RING_SIZE (IMC_OUTBOX_BYTES + 512)
 #define UART_FRAME_MAX    IMC_PACKET_MAX
 #else
-#define UART_TX_RING_SIZE 2048
+#define UART_TX_RING_SIZE CONFIG_PHAROS_UART_TX_RING
 #define UART_FRAME_MAX    MAVLINK_FRAME_MAX
 #endif
 /* Bytes of its ring of forwarded frames. */
@@ -42,7 +42,7 @@
 #define TUNNEL_RATE 11520u
 
 /* Frames between the link threads and the command thread; a full pool makes a link thread wait. */
-#define LINK_FRAMES_MAX 8
+#define LINK_FRAMES_MAX (3 + UART_LINKS_MAX)
 /* CAN frames on the same way. */
 #ifdef CONFIG_CAN
 #define CAN_FRAMES_MAX 8

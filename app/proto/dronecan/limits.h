@@ -15,14 +15,14 @@
 #define DRONECAN_TRANSFER_TIMEOUT_US (2 * US_PER_S)
 #define DRONECAN_SUBSCRIPTIONS_MAX   32u
 
-/* Nodes times types that talk to us within seconds of each other; one is 24 bytes. */
-#define DRONECAN_RX_SESSIONS    48u
+/* Nodes times types that talk to us within seconds of each other; one is 32 bytes. */
+#define DRONECAN_RX_SESSIONS    ((uint32_t)CONFIG_PHAROS_CAN_RX_SESSIONS)
 /* Multi-frame transfers under way at once: ten nodes and some. */
-#define DRONECAN_RX_BUFFERS     12u
+#define DRONECAN_RX_BUFFERS     ((uint32_t)CONFIG_PHAROS_CAN_RX_TRANSFERS)
 #define DRONECAN_RX_PAYLOAD_MAX 264u
 
 /* Transfers waiting: 3 of each asker's tunnel, and an answer to each of ten tools at once. */
-#define DRONECAN_TX_TRANSFERS   24u
+#define DRONECAN_TX_TRANSFERS   ((uint32_t)CONFIG_PHAROS_CAN_TX_TRANSFERS)
 #define DRONECAN_TX_PAYLOAD_MAX 208u
 /* Nobody waits longer for an answer; a bus that was off for longer starts with fresh ones. */
 #define DRONECAN_TX_TIMEOUT_US  (1 * US_PER_S)
