@@ -18,16 +18,19 @@ void mavlink_framer_init(struct mavlink_framer *self)
 	self->stats = (struct mavlink_framer_stats){0};
 	self->head = 0;
 	self->tail = 0;
+	self->behind = 0;
 	self->skipping = false;
 	self->opaque = false;
 }
 
 uint8_t *mavlink_framer_reserve(struct mavlink_framer *self, size_t *room)
 {
-	if (MAVLINK_FRAMER_WINDOW - self->tail < MAVLINK_FRAME_MAX && self->head > 0) {
-		memmove(self->window, self->window + self->head, (size_t)(self->tail - self->head));
-		self->tail = (uint16_t)(self->tail - self->head);
-		self->head = 0;
+	const uint16_t from = (uint16_t)(self->head - self->behind);
+
+	if (MAVLINK_FRAMER_WINDOW - self->tail < MAVLINK_FRAME_MAX && from > 0) {
+		memmove(self->window, self->window + from, (size_t)(self->tail - from));
+		self->tail = (uint16_t)(self->tail - from);
+		self->head = self->behind;
 	}
 	*room = (size_t)(MAVLINK_FRAMER_WINDOW - self->tail);
 	return self->window + self->tail;
@@ -136,8 +139,14 @@ static enum verdict inspect_unknown(const uint8_t *bytes, size_t available, bool
 	return mavlink_frame_view(bytes, length, frame) ? VERDICT_FRAME : VERDICT_UNKNOWN_ID;
 }
 
+/* What is at the head is no frame: the search goes on behind it, or in the last signature. */
 static void skip(struct mavlink_framer *self, size_t count)
 {
+	if (self->behind > 0) {
+		self->head = (uint16_t)(self->head - self->behind);
+		self->behind = 0;
+		return;
+	}
 	self->head = (uint16_t)(self->head + count);
 	self->stats.skipped_bytes += (uint32_t)count;
 	self->skipping = true;
@@ -146,6 +155,7 @@ static void skip(struct mavlink_framer *self, size_t count)
 static void take(struct mavlink_framer *self, const struct mavlink_frame *frame, bool opaque)
 {
 	self->head = (uint16_t)(self->head + frame->length);
+	self->behind = frame->has_signature ? MAVLINK_SIGNATURE_BYTES : 0;
 	self->stats.frames++;
 	self->stats.opaque_frames += opaque;
 	if (self->skipping) {
@@ -210,6 +220,7 @@ bool mavlink_framer_idle(struct mavlink_framer *self, struct mavlink_frame *fram
 	for (size_t at = 1; at < available; at++) {
 		if (is_magic(head[at]) &&
 		    inspect(head + at, available - at, frame) == VERDICT_FRAME) {
+			self->behind = 0;
 			skip(self, at);
 			take(self, frame, false);
 			return true;

@@ -16,7 +16,9 @@
  * with the very next byte, so no good frame is lost behind a wrong length byte.
  * Such a length byte may claim bytes that never come: once the line has been silent for some
  * MAVLINK_FRAMER_IDLE_US, mavlink_framer_idle() finds the good frames behind it.
- * Signed frames are carried through whole; the signature is checked elsewhere.
+ * Signed frames are carried through whole; the signature is checked elsewhere. It is not under the
+ * checksum: when what follows it is no frame, the search goes back to where the signature began,
+ * so that a signature which was cut short costs no frame behind it.
  *
  * Context: one thread per framer. Spec: mavlink.io/en/guide/serialization.html.
  */
@@ -34,13 +36,14 @@ struct mavlink_framer_stats {
 	uint32_t crc_errors;    /* candidates with a wrong checksum */
 	uint32_t unknown_ids;   /* candidates with an id that no dialect has */
 	uint32_t resyncs;       /* times that a frame was found after bytes had been skipped */
-	uint32_t skipped_bytes; /* bytes that belong to no verified frame */
+	uint32_t skipped_bytes; /* in search of a frame */
 };
 
 struct mavlink_framer {
 	struct mavlink_framer_stats stats;
 	uint16_t head;
 	uint16_t tail;
+	uint8_t behind; /* bytes before head that were taken for a signature */
 	bool skipping;
 	bool opaque; /* to be set by the owner at any time */
 	uint8_t window[MAVLINK_FRAMER_WINDOW];

@@ -19,8 +19,8 @@
 #define MAVLINK_V1_MESSAGE_MAX  255u
 #define MAVLINK_MESSAGE_ID_MAX  0xFFFFFFu
 
-/* A framer keeps an unfinished frame and has room for as much again. */
-#define MAVLINK_FRAMER_WINDOW (2 * MAVLINK_FRAME_MAX)
+/* A framer keeps a signature and an unfinished frame, and has room for one more. */
+#define MAVLINK_FRAMER_WINDOW (2 * MAVLINK_FRAME_MAX + MAVLINK_SIGNATURE_BYTES)
 
 /* Links: UARTs and tunnels over CAN. Components of this device, rows of one's message table. */
 #ifdef CONFIG_CAN
@@ -75,7 +75,8 @@
 _Static_assert(MAVLINK_FRAME_MAX == MAVLINK_V2_HEADER + MAVLINK_PAYLOAD_MAX +
                                             MAVLINK_CHECKSUM_BYTES + MAVLINK_SIGNATURE_BYTES,
                "the longest frame");
-_Static_assert(MAVLINK_FRAMER_WINDOW >= 2 * MAVLINK_FRAME_MAX, "room beside an unfinished frame");
+_Static_assert(MAVLINK_FRAMER_WINDOW >= 2 * MAVLINK_FRAME_MAX + MAVLINK_SIGNATURE_BYTES,
+               "room beside a signature and an unfinished frame");
 _Static_assert(MAVLINK_OUTBOX_FRAMES >= MAVLINK_STEP_FRAMES, "the answers to a frame fit");
 _Static_assert(MAVLINK_OUTBOX_BYTES >= MAVLINK_STEP_BYTES, "the answers to a frame fit");
 _Static_assert(MAVLINK_OUTBOX_BYTES <= UINT16_MAX, "offsets are 16 bits");
