@@ -27,10 +27,10 @@ static int cmd_route(const struct shell *sh, size_t argc, char **argv)
 	const int64_t now_us = clock_now_us();
 	const struct mavlink_router_stats *const stats = &router.stats;
 
-	shell_print(sh, "%-15s%s", "routing", router.on ? "on" : "off (see: param get MAV_ROUTE)");
-	shell_print(sh, "%-15s%u, %u of them of unknown messages", "forwarded", stats->forwarded,
+	shell_print(sh, "%-16s%s", "routing", router.on ? "on" : "off (see: param get MAV_ROUTE)");
+	shell_print(sh, "%-16s%u, %u of them of unknown messages", "forwarded", stats->forwarded,
 	            stats->opaque);
-	shell_print(sh, "%-15starget not heard %u, gone in a circle %u, no room %u",
+	shell_print(sh, "%-16starget not heard %u, gone in a circle %u, no room %u",
 	            "not forwarded", stats->unreachable, stats->circled, stats->no_room);
 	for (uint8_t i = 0; i < router.count; i++) {
 		const struct mavlink_route *const route = &router.routes[i];

@@ -169,16 +169,16 @@ static int cmd_signing_status(const struct shell *sh, size_t argc, char **argv)
 		text,
 		(int64_t)(now.timestamp + MAVLINK_TIMESTAMP_EPOCH_S * MAVLINK_TIMESTAMP_SECOND),
 		STAMP_DECIMALS);
-	shell_print(sh, "%-15s%s", "key", now.on ? "set" : "none");
-	shell_print(sh, "%-15s%s s, Unix time", "timestamp", text);
-	shell_print(sh, "%-15s%u of %d", "streams", now.streams, MAVLINK_SIGNING_STREAMS_MAX);
+	shell_print(sh, "%-16s%s", "key", now.on ? "set" : "none");
+	shell_print(sh, "%-16s%s s, Unix time", "timestamp", text);
+	shell_print(sh, "%-16s%u of %d", "streams", now.streams, MAVLINK_SIGNING_STREAMS_MAX);
 	for (uint32_t i = 0; i < MAVLINK_SIGNING_VERDICTS; i++) {
-		shell_print(sh, "%-15s%u",
+		shell_print(sh, "%-16s%u",
 		            mavlink_signing_verdict_name((enum mavlink_signing_verdict)i),
 		            now.stats.verdicts[i]);
 	}
-	shell_print(sh, "%-15s%u", "sent signed", now.stats.signed_frames);
-	shell_print(sh, "%-15s%u obeyed, %u refused; on the links of mask %u", "SETUP_SIGNING",
+	shell_print(sh, "%-16s%u", "sent signed", now.stats.signed_frames);
+	shell_print(sh, "%-16s%u obeyed, %u refused; on the links of mask %u", "SETUP_SIGNING",
 	            now.stats.setups, now.stats.setups_refused, now.secure_links);
 	return 0;
 }

@@ -60,7 +60,9 @@ class Forge:
         return self.sign(message, timestamp, key)
 
     def radio_status(self) -> bytes:
-        return self.sign(self.dialect.MAVLink_radio_status_message(200, 190, 90, 40, 50, 0, 0), None)
+        return self.sign(
+            self.dialect.MAVLink_radio_status_message(200, 190, 90, 40, 50, 0, 0), None
+        )
 
     def with_checksum(self, frame: bytes, crc_extra: int = 152) -> bytes:
         """The frame with a checksum that fits what was changed. 152: COMMAND_LONG's CRC_EXTRA."""

@@ -47,7 +47,7 @@ def text_of(forge: Forge) -> str:
     for index, attack in enumerate(ATTACKS):
         lines += array(f"SIGNING_{index}", attack.make(forge))
     lines += [
-        "/* counter: \"\": none, since there is no whole frame. acted: the command is carried out. */",
+        '/* counter: "": none, since there is no whole frame. acted: the command is carried out. */',
         "static const struct signing_attack {",
         "\tconst char *name;",
         "\tconst char *counter;",

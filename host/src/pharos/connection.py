@@ -20,6 +20,8 @@ ILLUMINATOR_COMPONENT = 243
 STEP_MIN_US = 1_000
 STEP_MAX_US = 100_000
 HISTORY_MAX = 100_000
+# What a timestamp of signed messages counts [µs].
+TIMESTAMP_US = 10
 # A client that has spoken is not silent for longer than this, if keep_alive() is called in time.
 KEEP_ALIVE_US = 15_000_000
 
@@ -60,6 +62,7 @@ class MavlinkConnection:
         self.history: deque[Any] = deque(maxlen=HISTORY_MAX)
         self.version = 2
         self._spoke_us: int | None = None
+        self._clock_offset = 0
         self._encoder = self._new_codec()
         self._decoder = self._new_codec()
 
@@ -68,9 +71,22 @@ class MavlinkConnection:
         codec.robust_parsing = True
         return codec
 
+    def sign(self, key: bytes, timestamp: int, link_id: int = 0) -> None:
+        """From now on what is sent is signed, from that timestamp on (units of 10 µs since 2015),
+        and what comes unsigned or wrongly signed is not received; an empty key: no longer."""
+        for codec in (self._encoder, self._decoder):
+            codec.signing.secret_key = key or None
+            codec.signing.timestamp = timestamp
+            codec.signing.link_id = link_id
+            codec.signing.sign_outgoing = bool(key)
+        self._clock_offset = timestamp - self.pacer.now_us() // TIMESTAMP_US
+
     def encode(self, message: Any) -> bytes:
         """The next frame that carries `message`: counts the sequence number."""
         self._spoke_us = self.pacer.now_us()
+        signing = self._encoder.signing
+        now = self._spoke_us // TIMESTAMP_US + self._clock_offset
+        signing.timestamp = max(signing.timestamp, now)
         frame: bytes = message.pack(self._encoder, force_mavlink1=self.version == 1)
         self._encoder.seq = (self._encoder.seq + 1) % 256
         return bytes(frame)
