@@ -1,0 +1,311 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Fuzzes IMC's stream, codec, node and actuation with a core behind them, over a small script:
+ *
+ *   op 0…1   bytes follow (count first): they arrive on that stream as they are
+ *   op 2…5   a packet follows: choice of message, header, payload; it arrives with a good checksum,
+ *            little or big endian, on a stream or as a datagram
+ *   op 6     time moves, the endpoint steps until it is content
+ *   op 7     the thermal supervisor reports
+ *   op 8     the line falls silent
+ *   op 9     a button
+ *
+ * Holds after each: what is sent are whole, good packets of ours; what decodes encodes to bytes
+ * that decode to the same; settings and parameters are in range.
+ */
+#include "core/actuators.h"
+#include "proto/imc/endpoint.h"
+#include "proto/imc/stream.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define STREAMS   2
+#define DATAGRAMS 4
+#define OWN_ID    0x8442
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+#define CHECK(condition)                                                                           \
+	do {                                                                                       \
+		if (!(condition)) {                                                                \
+			fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);            \
+			abort();                                                                   \
+		}                                                                                  \
+	} while (0)
+
+void pharos_assert_failed(const char *file, int line)
+{
+	fprintf(stderr, "assertion failed: %s:%d\n", file, line);
+	abort();
+}
+
+struct script {
+	const uint8_t *at;
+	const uint8_t *end;
+};
+
+static struct illuminator light;
+static struct arbiter arbiter;
+static struct params params;
+static struct imc_actuation actuation;
+static struct imc_endpoint endpoint;
+static struct imc_outbox out;
+static struct imc_stream streams[STREAMS];
+static bool params_changed;
+static int64_t now_us;
+
+static void start(void)
+{
+	static const struct actuators_config actuators = {
+		.power = 0x1F,
+		.power_on = 0x03,
+		.pwms = 0x07,
+		.leds = 0x03,
+		.gpio_outputs = 0x03,
+		.gpio_inputs = 0x0C,
+		.thruster = true,
+		.focus = true,
+		.display = true,
+		.grace_us = 5000000,
+		.focus_travel_us = 3000000,
+		.thruster_config = {.min_us = 1000,
+	                            .max_us = 2000,
+	                            .arm_us = 1000000,
+	                            .loss_us = 1000000},
+	};
+	static const struct imc_endpoint_config config = {
+		.id = OWN_ID,
+		.node =
+			{
+				.name = "light",
+				.version = "1",
+				.services = "imc+udp://127.0.0.1:6442/",
+				.stream_links = 3,
+			},
+	};
+	const struct illuminator_config light_config = {.min_period_us = 10000,
+	                                                .max_period_us = 10000000};
+	const struct arbiter_config arbiter_config = {.loss_us = 0};
+
+	now_us = 0;
+	params_changed = false;
+	illuminator_init(&light, &light_config);
+	arbiter_init(&arbiter, &arbiter_config);
+	params_init(&params);
+	imc_endpoint_init(&endpoint, 0, &config, &params);
+	imc_actuation_init(&actuation, 0, &actuators, true, &light, &arbiter);
+	imc_endpoint_attach(&endpoint, &actuation);
+	for (size_t i = 0; i < STREAMS; i++) {
+		imc_stream_init(&streams[i]);
+	}
+}
+
+static uint8_t take(struct script *script)
+{
+	return script->at < script->end ? *script->at++ : 0;
+}
+
+static void check_state(void)
+{
+	const struct illuminator_settings *const s = &light.settings;
+	struct param_set changed;
+
+	CHECK(s->brightness_ppm <= PPM_ONE && s->duty_ppm <= PPM_ONE);
+	CHECK(s->strobe_period_us == 0 ||
+	      (s->strobe_period_us >= 10000 && s->strobe_period_us <= 10000000));
+	for (uint32_t i = 0; params_changed && i < PARAM_COUNT; i++) {
+		const enum params_result same = params_set(&params, i, params.values[i], &changed);
+
+		CHECK(same == PARAMS_OK || same == PARAMS_READ_ONLY);
+	}
+}
+
+static void check_sent(void)
+{
+	struct imc_packet packet;
+
+	for (uint8_t i = 0; i < out.actions_count; i++) {
+		params_changed |= out.actions[i].kind == IMC_ACTION_PARAMS_CHANGED;
+	}
+	for (uint8_t i = 0; i < out.packets_count; i++) {
+		const struct imc_outbox_packet *const sent = &out.packets[i];
+
+		CHECK(sent->offset + sent->length <= out.used && out.used <= IMC_OUTBOX_BYTES);
+		CHECK(imc_decode(&out.bytes[sent->offset], sent->length, &packet) == IMC_OK);
+		CHECK(packet.header.src == OWN_ID);
+	}
+	CHECK(endpoint.node.peers.count <= IMC_PEERS_MAX);
+}
+
+/* The same values again, whatever the byte order was. */
+static void check_codec(const uint8_t *bytes, size_t length)
+{
+	static uint8_t once[IMC_PACKET_MAX];
+	static uint8_t twice[IMC_PACKET_MAX];
+	struct imc_packet packet;
+
+	if (imc_decode(bytes, length, &packet) != IMC_OK) {
+		return;
+	}
+	const size_t size = imc_encode(&packet, once, sizeof(once));
+
+	CHECK(size > 0 && size <= length);
+	CHECK(imc_decode(once, size, &packet) == IMC_OK);
+	CHECK(imc_encode(&packet, twice, sizeof(twice)) == size);
+	CHECK(memcmp(once, twice, size) == 0);
+}
+
+static void arrive(const struct imc_route *route, const uint8_t *bytes, size_t length)
+{
+	check_codec(bytes, length);
+	imc_endpoint_receive(&endpoint, now_us, route, bytes, &out);
+	check_sent();
+}
+
+static void take_packets(uint8_t link)
+{
+	const struct imc_route route = {.link = link};
+	struct imc_stream_packet packet;
+
+	while (imc_stream_next(&streams[link], &packet)) {
+		CHECK(packet.length <= IMC_PACKET_MAX);
+		arrive(&route, packet.bytes, packet.length);
+	}
+}
+
+static void write_all(uint8_t link, const uint8_t *bytes, size_t count)
+{
+	while (count > 0) {
+		const size_t taken = imc_stream_write(&streams[link], bytes, count);
+
+		CHECK(taken > 0 && taken <= count);
+		bytes += taken;
+		count -= taken;
+		take_packets(link);
+	}
+}
+
+static void raw(struct script *script, uint8_t link)
+{
+	const size_t left = (size_t)(script->end - script->at);
+	const size_t wanted = take(script);
+	const size_t count = wanted < left ? wanted : (left > 0 ? left - 1 : 0);
+
+	write_all(link, script->at, count);
+	script->at += count;
+}
+
+static void put_u16(uint8_t *at, uint16_t value, bool big_endian)
+{
+	at[big_endian ? 0 : 1] = (uint8_t)(value >> 8);
+	at[big_endian ? 1 : 0] = (uint8_t)value;
+}
+
+/* A packet with a good checksum; the payload is the script's. */
+static void packet(struct script *script, uint8_t op)
+{
+	static uint8_t bytes[IMC_HEADER_SIZE + UINT8_MAX + IMC_FOOTER_SIZE];
+	const struct imc_type *const type = &imc_types[take(script) % imc_types_count];
+	const uint8_t choice = take(script);
+	const uint8_t size = take(script);
+	const bool big_endian = (op & 1) != 0;
+	const struct imc_route datagram = {
+		.link = DATAGRAMS,
+		.port = (uint16_t)(6000 + (choice & 15)),
+		.address = 0x7F000001,
+	};
+
+	bytes[0] = big_endian ? 0xFE : 0x54;
+	bytes[1] = big_endian ? 0x54 : 0xFE;
+	put_u16(&bytes[2], (choice & 0x80) != 0 ? 64999 : type->id, big_endian);
+	put_u16(&bytes[4], size, big_endian);
+	for (size_t i = 6; i < 14; i++) {
+		bytes[i] = take(script);
+	}
+	put_u16(&bytes[14], (uint16_t)(0x4000 + choice), big_endian);
+	bytes[16] = choice;
+	put_u16(&bytes[17], (choice & 0x40) != 0 ? 0x1234 : OWN_ID, big_endian);
+	bytes[19] = (choice & 0x20) != 0 ? take(script) : 255;
+	for (size_t i = 0; i < size; i++) {
+		bytes[IMC_HEADER_SIZE + i] = take(script);
+	}
+	put_u16(&bytes[IMC_HEADER_SIZE + size], imc_checksum(bytes, IMC_HEADER_SIZE + size),
+	        big_endian);
+	if ((op & 2) != 0) {
+		arrive(&datagram, bytes, IMC_HEADER_SIZE + size + IMC_FOOTER_SIZE);
+	} else {
+		write_all(choice & 1, bytes, IMC_HEADER_SIZE + size + IMC_FOOTER_SIZE);
+	}
+}
+
+static void time_moves(struct script *script)
+{
+	int steps = 0;
+
+	now_us += (int64_t)take(script) * 100000 + take(script);
+	while (imc_endpoint_deadline_us(&endpoint) <= now_us) {
+		imc_endpoint_step(&endpoint, now_us, &out);
+		check_sent();
+		CHECK(++steps < 100);
+	}
+}
+
+static void heat(struct script *script)
+{
+	const uint8_t choice = take(script);
+	struct illuminator_outbox actions;
+	const struct illuminator_event event = {
+		.kind = ILLUMINATOR_EVENT_THERMAL,
+		.thermal = {.state = (enum thermal_state)(choice % 3),
+	                    .sensor = choice & 0x40 ? THERMAL_SENSOR_FAILED : THERMAL_SENSOR_OK,
+	                    .fault = choice & 0x40 ? THERMAL_FAULT_STUCK : THERMAL_FAULT_NONE,
+	                    .flags = choice % 3,
+	                    .temp_mdegc = choice * 1000,
+	                    .temp_valid = (choice & 0x40) == 0},
+	};
+
+	illuminator_step(&light, now_us, &event, &actions);
+	imc_endpoint_report(&endpoint, &light);
+}
+
+static void silence(void)
+{
+	for (uint8_t link = 0; link < STREAMS; link++) {
+		const struct imc_route route = {.link = link};
+		struct imc_stream_packet found;
+
+		while (imc_stream_idle(&streams[link], &found)) {
+			arrive(&route, found.bytes, found.length);
+			take_packets(link);
+		}
+	}
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+	struct script script = {data, data + size};
+
+	start();
+	while (script.at < script.end) {
+		const uint8_t op = take(&script) % 10;
+
+		if (op < 2) {
+			raw(&script, op);
+		} else if (op < 6) {
+			packet(&script, (uint8_t)(op - 2));
+		} else if (op == 6) {
+			time_moves(&script);
+		} else if (op == 7) {
+			heat(&script);
+		} else if (op == 8) {
+			silence();
+		} else {
+			imc_endpoint_button(&endpoint, now_us, take(&script), true, &out);
+			check_sent();
+		}
+	}
+	check_state();
+	return 0;
+}
