@@ -5,9 +5,6 @@
 
 #include <stddef.h>
 
-#define BEACON_PERIOD_US 1000000u
-#define BEACON_DUTY_PPM  100000u
-
 /* CIE 1931 lightness: L* = 100 is PPM_ONE here. Straight below L* = 8, cubic above. */
 #define CURVE_STRAIGHT_PPM 80000u
 #define CURVE_SHIFT        160000u  /* L* + 16 */
@@ -50,6 +47,9 @@ static void assert_config(const struct illuminator_config *config)
 	PHAROS_ASSERT(config->min_period_us >= STROBE_PERIOD_FLOOR_US);
 	PHAROS_ASSERT(config->max_period_us >= config->min_period_us);
 	PHAROS_ASSERT(config->max_period_us <= STROBE_PERIOD_CEILING_US);
+	PHAROS_ASSERT(config->beacon.duty_ppm <= PPM_ONE);
+	PHAROS_ASSERT(config->beacon.brightness_ppm <= PPM_ONE);
+	PHAROS_ASSERT(program_valid(&config->program));
 }
 
 void illuminator_init(struct illuminator *self, const struct illuminator_config *config)
@@ -133,6 +133,7 @@ static uint32_t clamp_period(const struct illuminator_config *config, uint32_t p
 static struct illuminator_settings after_fallback(const struct illuminator *self,
                                                   enum illuminator_fallback fallback)
 {
+	const struct illuminator_beacon *const beacon = &self->config.beacon;
 	struct illuminator_settings next = self->settings;
 
 	switch (fallback) {
@@ -145,9 +146,9 @@ static struct illuminator_settings after_fallback(const struct illuminator *self
 		next = (struct illuminator_settings){
 			.enable = !self->unpowered,
 			.mode = ILLUMINATOR_MODE_INTERNAL,
-			.brightness_ppm = PPM_ONE,
-			.strobe_period_us = clamp_period(&self->config, BEACON_PERIOD_US),
-			.duty_ppm = BEACON_DUTY_PPM,
+			.brightness_ppm = beacon->brightness_ppm,
+			.strobe_period_us = clamp_period(&self->config, beacon->period_us),
+			.duty_ppm = beacon->duty_ppm,
 		};
 		break;
 	}
@@ -186,7 +187,7 @@ static enum illuminator_result decide(const struct illuminator *self,
 }
 
 static struct light_plan plan_of(const struct illuminator_settings *settings,
-                                 enum illuminator_curve curve)
+                                 const struct illuminator_config *config)
 {
 	struct light_plan plan = {.on = settings->enable};
 
@@ -194,12 +195,15 @@ static struct light_plan plan_of(const struct illuminator_settings *settings,
 		return plan;
 	}
 	plan.external_sync = settings->mode == ILLUMINATOR_MODE_SYNC;
-	plan.level_ppm = illuminator_curve_ppm(curve, settings->brightness_ppm);
+	plan.level_ppm = illuminator_curve_ppm(config->curve, settings->brightness_ppm);
 	const uint32_t on_us = illuminator_on_us(settings->strobe_period_us, settings->duty_ppm);
 
 	if (on_us > 0 && on_us < settings->strobe_period_us) {
 		plan.period_us = settings->strobe_period_us;
 		plan.on_us = on_us;
+	}
+	if (!plan.external_sync && settings->strobe_period_us == 0) {
+		plan.program = config->program;
 	}
 	return plan;
 }
@@ -215,7 +219,8 @@ static bool settings_equal(const struct illuminator_settings *a,
 static bool plan_equal(const struct light_plan *a, const struct light_plan *b)
 {
 	return a->on == b->on && a->external_sync == b->external_sync &&
-	       a->level_ppm == b->level_ppm && a->period_us == b->period_us && a->on_us == b->on_us;
+	       a->level_ppm == b->level_ppm && a->period_us == b->period_us &&
+	       a->on_us == b->on_us && program_equal(&a->program, &b->program);
 }
 
 static bool config_equal(const struct illuminator_config *a, const struct illuminator_config *b)
@@ -300,7 +305,7 @@ static void apply(struct illuminator *self, int64_t now_us, const struct illumin
 	} else if (event->kind == ILLUMINATOR_EVENT_POWER) {
 		self->unpowered = !event->powered;
 	}
-	self->plan = plan_of(&self->settings, self->config.curve);
+	self->plan = plan_of(&self->settings, &self->config);
 
 	if (!plan_equal(&before.plan, &self->plan)) {
 		add(out, ILLUMINATOR_ACTION_LIGHT)->light = self->plan;

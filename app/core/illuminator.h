@@ -31,7 +31,7 @@ enum illuminator_curve {
 	ILLUMINATOR_CURVE_PERCEPTUAL,
 };
 
-/* What to do when every commander is silent. BEACON: full, 1 flash per second, 10 % duty. */
+/* What to do when every commander is silent. BEACON: the strobe of the configuration. */
 enum illuminator_fallback {
 	ILLUMINATOR_FALLBACK_KEEP,
 	ILLUMINATOR_FALLBACK_OFF,
@@ -50,12 +50,24 @@ struct illuminator_settings {
 	uint32_t duty_ppm;
 };
 
-/* STROBE_PERIOD_FLOOR_US <= min_period_us <= max_period_us <= STROBE_PERIOD_CEILING_US, asserted.
+/* period_us: brought between the shortest and the longest of the configuration. */
+struct illuminator_beacon {
+	uint32_t period_us;
+	uint32_t duty_ppm;
+	uint32_t brightness_ppm;
+};
+
+/*
+ * STROBE_PERIOD_FLOOR_US <= min_period_us <= max_period_us <= STROBE_PERIOD_CEILING_US, ratios
+ * 0…PPM_ONE, program valid: asserted. The program shows while the lamp is on in internal mode and
+ * no strobe period is commanded.
  */
 struct illuminator_config {
 	uint32_t min_period_us;
 	uint32_t max_period_us;
 	enum illuminator_curve curve;
+	struct illuminator_beacon beacon;
+	struct program program;
 };
 
 enum illuminator_event_kind {

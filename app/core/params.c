@@ -26,6 +26,8 @@ static const struct param_info table[PARAM_COUNT] = {PARAMS_TABLE(PARAMS_INFO)};
 PARAMS_TABLE(PARAMS_CHECK)
 #undef PARAMS_CHECK
 
+#define US_PER_MIN (60u * US_PER_S)
+
 /* values[less] < values[more], or <= where equal is allowed. */
 struct rule {
 	enum param_id less;
@@ -289,12 +291,42 @@ static uint32_t ms_as_us(const struct params *self, enum param_id id)
 	return unsigned_value(self, id) * US_PER_MS;
 }
 
+static struct program program_of(const struct params *self)
+{
+	const enum program_kind kind = (enum program_kind)self->values[PARAM_LGT_PROGRAM];
+	struct program program = {.kind = kind};
+
+	switch (kind) {
+	case PROGRAM_NONE:
+		break;
+	case PROGRAM_ANTI_COLLISION:
+	case PROGRAM_DOUBLE_FLASH:
+		program.period_us = US_PER_MIN / unsigned_value(self, PARAM_PRG_RATE);
+		program.unit_us = ms_as_us(self, PARAM_PRG_FLASH_MS);
+		break;
+	case PROGRAM_FADE:
+		program.period_us = ms_as_us(self, PARAM_PRG_FADE_MS);
+		break;
+	case PROGRAM_SOS:
+		program.unit_us = ms_as_us(self, PARAM_PRG_DOT_MS);
+		break;
+	}
+	return program;
+}
+
 void params_illuminator(const struct params *self, struct illuminator_config *config)
 {
 	*config = (struct illuminator_config){
 		.min_period_us = unsigned_value(self, PARAM_STRB_MIN_US),
 		.max_period_us = unsigned_value(self, PARAM_STRB_MAX_US),
 		.curve = (enum illuminator_curve)self->values[PARAM_LGT_CURVE],
+		.beacon =
+			{
+				.period_us = unsigned_value(self, PARAM_BCN_PERIOD_US),
+				.duty_ppm = unsigned_value(self, PARAM_BCN_DUTY),
+				.brightness_ppm = unsigned_value(self, PARAM_BCN_BRIGHT),
+			},
+		.program = program_of(self),
 	};
 }
 

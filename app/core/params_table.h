@@ -17,7 +17,23 @@
 	X(STRB_MIN_US, LIGHT, "us", 1000, 60000000, CONFIG_PHAROS_STROBE_PERIOD_MIN_US, 0,         \
 	  "Shortest strobe period")                                                                \
 	X(STRB_MAX_US, LIGHT, "us", 1000, 60000000, CONFIG_PHAROS_STROBE_PERIOD_MAX_US, 0,         \
-	  "Longest strobe period")
+	  "Longest strobe period")                                                                 \
+	X(BCN_PERIOD_US, LIGHT, "us", 1000, 60000000, CONFIG_PHAROS_BEACON_PERIOD_US, 0,           \
+	  "Beacon: period, brought between STRB_MIN_US and STRB_MAX_US")                           \
+	X(BCN_DUTY, LIGHT, "ppm", 0, 1000000, CONFIG_PHAROS_BEACON_DUTY_PPM, 0,                    \
+	  "Beacon: lit part of the period")                                                        \
+	X(BCN_BRIGHT, LIGHT, "ppm", 0, 1000000, CONFIG_PHAROS_BEACON_BRIGHTNESS_PPM, 0,            \
+	  "Beacon: brightness")                                                                    \
+	X(LGT_PROGRAM, LIGHT, "", 0, 4, CONFIG_PHAROS_LIGHT_PROGRAM, 0,                            \
+	  "While on without a strobe: 0 steady, 1 anti-collision, 2 double flash, 3 fade, 4 SOS")  \
+	X(PRG_RATE, LIGHT, "1/min", 40, 100, CONFIG_PHAROS_PROGRAM_RATE, 0,                        \
+	  "Programs 1 and 2: flashes, or pairs of them, a minute")                                 \
+	X(PRG_FLASH_MS, LIGHT, "ms", 10, 190, CONFIG_PHAROS_PROGRAM_FLASH_MS, 0,                   \
+	  "Programs 1 and 2: length of a flash")                                                   \
+	X(PRG_FADE_MS, LIGHT, "ms", 500, 60000, CONFIG_PHAROS_PROGRAM_FADE_MS, 0,                  \
+	  "Program 3: time up and down")                                                           \
+	X(PRG_DOT_MS, LIGHT, "ms", 50, 1000, CONFIG_PHAROS_PROGRAM_DOT_MS, 0,                      \
+	  "Program 4: length of a dot")
 
 /* Who commands, and what holds when nobody does. */
 #define PARAMS_ARBITER(X)                                                                          \

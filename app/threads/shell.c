@@ -175,6 +175,30 @@ static int cmd_light_mode(const struct shell *sh, size_t argc, char **argv)
 	return light_command(sh, &event);
 }
 
+static int set_program(struct command *command, void *argument)
+{
+	static const char name[] = "LGT_PROGRAM";
+
+	return (int)command_set_param(command, name, sizeof(name) - 1,
+	                              *(const enum program_kind *)argument);
+}
+
+static int cmd_light_program(const struct shell *sh, size_t argc, char **argv)
+{
+	enum program_kind kind;
+
+	if (!program_find(argv[1], &kind)) {
+		shell_error(sh, "no program '%s'; there are: %s, %s, %s, %s, %s", argv[1],
+		            program_name(PROGRAM_NONE), program_name(PROGRAM_ANTI_COLLISION),
+		            program_name(PROGRAM_DOUBLE_FLASH), program_name(PROGRAM_FADE),
+		            program_name(PROGRAM_SOS));
+		return -EINVAL;
+	}
+	command_call(set_program, &kind);
+	shell_print(sh, "ok");
+	return 0;
+}
+
 /* "label  12.5 unit", without trailing zeros. */
 static void print_fixed(const struct shell *sh, const char *label, int64_t value,
                         unsigned int decimals, const char *unit)
@@ -205,6 +229,11 @@ static int cmd_light_status(const struct shell *sh, size_t argc, char **argv)
 		print_fixed(sh, "strobe duty", now.settings.duty_ppm, PPM_PER_PERCENT_DECIMALS,
 		            "%");
 	}
+	shell_print(sh, "%-14s%s%s", "program", program_name(now.config.program.kind),
+	            now.config.program.kind != PROGRAM_NONE && now.plan.on &&
+	                            now.plan.program.kind == PROGRAM_NONE
+	                    ? ", but a strobe or external sync is commanded"
+	                    : "");
 	shell_print(sh, "%-14s%s", "commander",
 	            arbiter_source_name((enum arbiter_source)command_call(commander, NULL)));
 	print_fixed(sh, "limit", light.limit_ppm, PPM_PER_PERCENT_DECIMALS, "% of full power");
@@ -229,6 +258,10 @@ SHELL_STATIC_SUBCMD_SET_CREATE(
 SHELL_STATIC_SUBCMD_SET_CREATE(
 	light_commands, SHELL_CMD_ARG(off, NULL, "Lamp off", cmd_light_off, 1, 0),
 	SHELL_CMD_ARG(on, NULL, "Lamp on", cmd_light_on, 1, 0),
+	SHELL_CMD_ARG(program, NULL,
+		      "none|anti-collision|double-flash|fade|sos  what it shows while on without a "
+		      "strobe",
+		      cmd_light_program, 2, 0),
 	SHELL_CMD(set, &light_set_commands, "Change one setting", NULL),
 	SHELL_CMD_ARG(status, NULL, "What was commanded, and what the lamp does",
 		      cmd_light_status, 1, 0),

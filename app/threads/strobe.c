@@ -13,6 +13,7 @@
 /* Changed by the timer's and the input's interrupts, and by threads under irq_lock(). */
 static struct gate gate;
 static bool was_lit;
+static uint32_t level_ppm; /* as the light driver has it */
 static struct gpio_callback sync_callback;
 
 static void edge_due(struct k_timer *timer);
@@ -21,8 +22,14 @@ static K_TIMER_DEFINE(edge_timer, edge_due, NULL);
 /* Interrupts are locked, or this is one. */
 static void carry_out(bool lit)
 {
+	const uint32_t now_ppm = gate_level_ppm(&gate);
+
+	if (now_ppm != level_ppm) {
+		level_ppm = now_ppm;
+		light_set_level(devices.light, now_ppm);
+	}
 	light_set_gate(devices.light, lit);
-	was_lit = was_lit || (lit && gate.plan.level_ppm > 0);
+	was_lit = was_lit || (lit && now_ppm > 0);
 
 	const int64_t deadline_us = gate_deadline_us(&gate);
 
@@ -86,7 +93,6 @@ void strobe_timer_set(const struct light_plan *plan)
 	const unsigned int key = irq_lock();
 	const bool lit = gate_set(&gate, clock_now_us(), plan);
 
-	light_set_level(devices.light, plan->level_ppm);
 	carry_out(lit);
 	irq_unlock(key);
 }

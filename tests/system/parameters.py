@@ -55,6 +55,8 @@ def ask(light: Light, name: str = "", index: int = -1, target: Target | None = N
 
 
 def get_param(light: Light, name: str) -> int:
+    light.mav.drain()
+    light.mav.inbox.clear()  # it may tell of changes by others
     ask(light, name)
     return value_of(light.mav.recv("PARAM_VALUE", where=lambda m: m.param_id == name))
 

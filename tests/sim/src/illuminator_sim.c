@@ -28,9 +28,8 @@ static uint32_t around(struct dice *dice, uint32_t limit)
 
 static struct illuminator_event any_event(struct dice *dice)
 {
-	struct illuminator_event event = {
-		.kind = (enum illuminator_event_kind)(dice_next(dice) %
-	                                              (ILLUMINATOR_EVENT_POWER + 1))};
+	struct illuminator_event event = {.kind = (enum illuminator_event_kind)(
+						  dice_next(dice) % (ILLUMINATOR_EVENT_POWER + 1))};
 
 	switch (event.kind) {
 	case ILLUMINATOR_EVENT_ON_OFF:
@@ -60,6 +59,17 @@ static struct illuminator_event any_event(struct dice *dice)
 		event.config.max_period_us =
 			(uint32_t)dice_between(dice, event.config.min_period_us, 20000000);
 		event.config.curve = dice_next(dice) % 2;
+		event.config.beacon = (struct illuminator_beacon){
+			.period_us = dice_next(dice),
+			.duty_ppm = (uint32_t)dice_between(dice, 0, PPM_ONE),
+			.brightness_ppm = (uint32_t)dice_between(dice, 0, PPM_ONE),
+		};
+		if (dice_once_in(dice, 2)) {
+			event.config.program = (struct program){
+				.kind = PROGRAM_SOS,
+				.unit_us = (uint32_t)dice_between(dice, 1, 1000000),
+			};
+		}
 		break;
 	case ILLUMINATOR_EVENT_RESTORE:
 		event.restore = (struct illuminator_settings){
@@ -94,6 +104,11 @@ static void assert_plan(const struct illuminator *light)
 	} else {
 		zassert_equal(plan->on_us, 0, "seed %u", replay_seed());
 	}
+	if (plan->program.kind != PROGRAM_NONE) {
+		zassert_true(plan->on && !plan->external_sync &&
+		                     light->settings.strobe_period_us == 0,
+		             "seed %u", replay_seed());
+	}
 }
 
 static bool settings_differ(const struct illuminator_settings *a,
@@ -107,7 +122,8 @@ static bool settings_differ(const struct illuminator_settings *a,
 static bool plans_differ(const struct light_plan *a, const struct light_plan *b)
 {
 	return a->on != b->on || a->external_sync != b->external_sync ||
-	       a->level_ppm != b->level_ppm || a->period_us != b->period_us || a->on_us != b->on_us;
+	       a->level_ppm != b->level_ppm || a->period_us != b->period_us ||
+	       a->on_us != b->on_us || !program_equal(&a->program, &b->program);
 }
 
 static void assert_step(const struct illuminator *before, const struct illuminator *after,
@@ -134,7 +150,11 @@ static void assert_step(const struct illuminator *before, const struct illuminat
 
 static void any_events(struct dice *dice)
 {
-	const struct illuminator_config config = {10000, 10000000, ILLUMINATOR_CURVE_PERCEPTUAL};
+	const struct illuminator_config config = {
+		.min_period_us = 10000,
+		.max_period_us = 10000000,
+		.curve = ILLUMINATOR_CURVE_PERCEPTUAL,
+	};
 	struct illuminator light;
 
 	illuminator_init(&light, &config);

@@ -122,3 +122,71 @@ ZTEST(core_gate, test_time_that_runs_behind_counts_as_the_last)
 	zassert_true(gate_input(&gate, 900, true));
 	zassert_equal(gate_deadline_us(&gate), 1300);
 }
+
+/* --- programs --------------------------------------------------------------------------------- */
+
+static const struct light_plan breathing = {
+	.on = true, .level_ppm = 400000, .program = {.kind = PROGRAM_FADE, .period_us = 4000000}};
+static const struct light_plan morse = {
+	.on = true, .level_ppm = 400000, .program = {.kind = PROGRAM_SOS, .unit_us = 200000}};
+
+ZTEST(core_gate, test_program_begins_with_its_plan_and_ends_with_it)
+{
+	const struct light_plan steady = {.on = true, .level_ppm = 400000};
+
+	zassert_true(gate_set(&gate, 1000, &morse));
+	zassert_equal(gate_deadline_us(&gate), 201000);
+	zassert_equal(gate_level_ppm(&gate), 400000);
+	zassert_false(gate_advance(&gate, 201000));
+	zassert_equal(gate_deadline_us(&gate), 401000);
+	zassert_true(gate_advance(&gate, 401000));
+	zassert_true(gate_set(&gate, 500000, &steady));
+	zassert_equal(gate_deadline_us(&gate), TIME_NEVER_US);
+	zassert_true(gate_set(&gate, 600000, &morse)); /* from its beginning */
+	zassert_equal(gate_deadline_us(&gate), 800000);
+	zassert_false(gate_set(&gate, 700000, &off));
+	zassert_equal(gate_deadline_us(&gate), TIME_NEVER_US);
+}
+
+ZTEST(core_gate, test_program_scales_the_level)
+{
+	gate_set(&gate, 0, &breathing);
+	gate_advance(&gate, 1000000);
+	zassert_equal(gate_level_ppm(&gate), 102010); /* 0.505 squared of 400 000 */
+	zassert_equal(gate_deadline_us(&gate), 1020000);
+}
+
+ZTEST(core_gate, test_brighter_or_darker_does_not_disturb_a_program)
+{
+	struct light_plan brighter = morse;
+
+	gate_set(&gate, 0, &morse);
+	brighter.level_ppm = 800000;
+	zassert_true(gate_set(&gate, 150000, &brighter));
+	zassert_equal(gate_level_ppm(&gate), 800000);
+	zassert_equal(gate_deadline_us(&gate), 200000);
+}
+
+ZTEST(core_gate, test_program_with_other_timing_starts_anew)
+{
+	struct light_plan faster = morse;
+
+	gate_set(&gate, 0, &morse);
+	faster.program.unit_us = 100000;
+	zassert_true(gate_set(&gate, 250000, &faster));
+	zassert_equal(gate_deadline_us(&gate), 350000);
+}
+
+ZTEST(core_gate, test_late_program_keeps_to_its_times)
+{
+	gate_set(&gate, 0, &morse);
+	/* 1 000 cycles of 6.8 s later and 10 ms late: in the dash that is lit until 2.2 s */
+	zassert_true(gate_advance(&gate, INT64_C(6800000000) + 1610000));
+	zassert_equal(gate_deadline_us(&gate), INT64_C(6800000000) + 2200000);
+}
+
+ZTEST(core_gate, test_strobe_after_a_program_lights_at_once)
+{
+	gate_set(&gate, 0, &morse);
+	zassert_true(gate_set(&gate, 300000, &strobing));
+}

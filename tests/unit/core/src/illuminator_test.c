@@ -16,6 +16,7 @@ static void before(void *fixture)
 		.min_period_us = 10000,
 		.max_period_us = 10000000,
 		.curve = ILLUMINATOR_CURVE_LINEAR,
+		.beacon = {.period_us = 1000000, .duty_ppm = 100000, .brightness_ppm = 900000},
 	};
 
 	illuminator_init(&light, &config);
@@ -324,10 +325,49 @@ ZTEST(core_illuminator, test_fallbacks)
 	event.fallback = ILLUMINATOR_FALLBACK_BEACON;
 	step(&event);
 	zassert_true(light.plan.on);
-	zassert_equal(light.plan.level_ppm, 1000000);
-	/* 60 flashes a minute: well above the 20 that anti-collision rules ask for. */
+	zassert_equal(light.plan.level_ppm, 900000);
 	zassert_equal(light.plan.period_us, 1000000);
 	zassert_equal(light.plan.on_us, 100000);
+}
+
+ZTEST(core_illuminator, test_beacon_keeps_to_the_strobe_limits)
+{
+	struct illuminator_event event = {.kind = ILLUMINATOR_EVENT_CONFIG, .config = light.config};
+
+	event.config.min_period_us = 2000000;
+	step(&event);
+	event.kind = ILLUMINATOR_EVENT_FALLBACK;
+	event.fallback = ILLUMINATOR_FALLBACK_BEACON;
+	step(&event);
+	zassert_equal(light.plan.period_us, 2000000);
+	zassert_equal(light.plan.on_us, 200000);
+}
+
+ZTEST(core_illuminator, test_program_shows_while_on_without_a_strobe)
+{
+	struct illuminator_event event = {.kind = ILLUMINATOR_EVENT_CONFIG, .config = light.config};
+
+	on_off(true);
+	event.config.program = (struct program){.kind = PROGRAM_SOS, .unit_us = 200000};
+	zassert_equal(step(&event), ILLUMINATOR_ACCEPTED);
+	zassert_equal(out.actions[0].kind, ILLUMINATOR_ACTION_LIGHT);
+	zassert_equal(out.actions[0].light.program.kind, PROGRAM_SOS);
+	zassert_equal(light.plan.level_ppm, 1000000);
+	/* a strobe that is commanded counts for more, also one that is lit for all of its period */
+	configure(ILLUMINATOR_MODE_INTERNAL, 500000, 1000000, 100000);
+	zassert_equal(light.plan.program.kind, PROGRAM_NONE);
+	configure(ILLUMINATOR_MODE_INTERNAL, 500000, 1000000, 1000000);
+	zassert_equal(light.plan.program.kind, PROGRAM_NONE);
+	configure(ILLUMINATOR_MODE_SYNC, 500000, 0, 1000000);
+	zassert_equal(light.plan.program.kind, PROGRAM_NONE);
+	configure(ILLUMINATOR_MODE_INTERNAL, 500000, 0, 1000000);
+	zassert_equal(light.plan.program.kind, PROGRAM_SOS);
+	/* what is reported is what was commanded */
+	zassert_equal(light.settings.strobe_period_us, 0);
+	zassert_equal(light.settings.brightness_ppm, 500000);
+	on_off(false);
+	zassert_equal(light.plan.program.kind, PROGRAM_NONE);
+	zassert_false(light.plan.on);
 }
 
 ZTEST(core_illuminator, test_lamp_without_power_is_off_and_stays_so)
@@ -409,7 +449,7 @@ ZTEST(core_illuminator, test_every_notice_has_words_that_fit_a_statustext)
 
 ZTEST(core_illuminator, test_impossible_config_is_a_bug)
 {
-	const struct illuminator_config config = {20000, 10000, ILLUMINATOR_CURVE_LINEAR};
+	const struct illuminator_config config = {.min_period_us = 20000, .max_period_us = 10000};
 
 	expect_assert();
 	illuminator_init(&light, &config);
