@@ -71,7 +71,7 @@ class Forge:
         body = 10 + frame[1]
         crc = x25crc(frame[1:body])
         crc.accumulate(bytes([crc_extra]))
-        return frame[:body] + crc.crc.to_bytes(2, "little") + frame[body + 2 :]
+        return frame[:body] + int(crc.crc).to_bytes(2, "little") + frame[body + 2 :]
 
     def recorded_with(self, at: int, value: int) -> bytes:
         """The recorded frame with another byte there, and a checksum that fits."""

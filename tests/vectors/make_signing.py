@@ -47,7 +47,7 @@ def text_of(forge: Forge) -> str:
     for index, attack in enumerate(ATTACKS):
         lines += array(f"SIGNING_{index}", attack.make(forge))
     lines += [
-        '/* counter: "": none, since there is no whole frame. acted: the command is carried out. */',
+        '/* counter "": none, there is no whole frame. acted: the command is carried out. */',
         "static const struct signing_attack {",
         "\tconst char *name;",
         "\tconst char *counter;",
@@ -57,9 +57,10 @@ def text_of(forge: Forge) -> str:
         "} SIGNING_ATTACKS[] = {",
     ]
     for index, attack in enumerate(ATTACKS):
+        acted = "true" if attack.acted else "false"
         lines += [
             f'\t{{"{attack.name}", "{attack.counter}",',
-            f"\t {'true' if attack.acted else 'false'}, SIGNING_{index}, sizeof(SIGNING_{index})}},",
+            f"\t {acted}, SIGNING_{index}, sizeof(SIGNING_{index})}},",
         ]
     return "\n".join([*lines, "};", "", "#endif", ""])
 

@@ -204,7 +204,7 @@ static const uint8_t SIGNING_23[] = {
 	0x6F, 0x42, 0x1B, 0xA7, 0xBF, 0x89, 0x53, 0xAC, 0x10,
 };
 
-/* counter: "": none, since there is no whole frame. acted: the command is carried out. */
+/* counter "": none, there is no whole frame. acted: the command is carried out. */
 static const struct signing_attack {
 	const char *name;
 	const char *counter;
