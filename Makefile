@@ -5,6 +5,7 @@
 # make build   build/native/pharos
 # make bench   the figures of README, from one run
 # make picture docs/heat.svg, from a simulated hour
+# make parameters docs/parameters.md, from the table
 # make lint    clang-format, ruff, mypy, shellcheck
 # make fuzz    every libFuzzer harness for FUZZ_RUNS executions each
 # make format  lay out C and Python sources
@@ -17,7 +18,7 @@ STAGES ?=
 FUZZ_RUNS ?= 10000000
 PYTHON = .venv/bin/python
 
-.PHONY: run test build bench picture lint fuzz format clean setup
+.PHONY: run test build bench picture parameters lint fuzz format clean setup
 
 build: setup
 	@test -f build/$(PRESET)/build.ninja || cmake --preset $(PRESET) --log-level=NOTICE
@@ -38,6 +39,9 @@ bench: build
 
 picture: build
 	@$(PYTHON) docs/heat.py
+
+parameters: build
+	@$(PYTHON) docs/parameters.py
 
 lint:
 	@boards/native/setup.sh test
