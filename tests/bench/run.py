@@ -27,6 +27,7 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "host" / "src"))
 
 import can_bus
+import param_list
 
 from pharos import Simulator, find_dialect, load_dialect
 from pharos.control import ControlClient
@@ -338,6 +339,9 @@ def main() -> int:
     rows.append(measure_switch(args.tools))
     rows += measure_day(binary, dialect)
     rows.append(measure_parse(args.tools, dialect))
+    figures, ratio_of_list = param_list.measure(binary, dialect)
+    rows += [Row(*figure) for figure in figures]
+    rows.append(at_most("parameters: list / bytes", ratio_of_list, "×", param_list.LIMIT_RATIO))
     rows += [Row(*figure) for figure in can_bus.measure(binary, dialect)]
 
     print(machine())
