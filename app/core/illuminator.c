@@ -107,6 +107,17 @@ static enum illuminator_result decide_enable(const struct illuminator *self, boo
 	return ILLUMINATOR_ACCEPTED;
 }
 
+static enum illuminator_result decide_test(const struct illuminator *self,
+                                           const struct illuminator_test *test)
+{
+	struct illuminator_settings unchanged;
+
+	if (test->brightness_ppm > PPM_ONE) {
+		return ILLUMINATOR_DENIED;
+	}
+	return decide_enable(self, test->on, &unchanged);
+}
+
 static enum illuminator_result decide_restore(const struct illuminator *self,
                                               const struct illuminator_settings *saved,
                                               struct illuminator_settings *next)
@@ -178,6 +189,8 @@ static enum illuminator_result decide(const struct illuminator *self,
 	case ILLUMINATOR_EVENT_POWER:
 		next->enable = next->enable && event->powered;
 		return ILLUMINATOR_ACCEPTED;
+	case ILLUMINATOR_EVENT_TEST:
+		return decide_test(self, &event->test);
 	case ILLUMINATOR_EVENT_THERMAL:
 	case ILLUMINATOR_EVENT_CONFIG:
 		return ILLUMINATOR_ACCEPTED;
@@ -206,6 +219,41 @@ static struct light_plan plan_of(const struct illuminator_settings *settings,
 		plan.program = config->program;
 	}
 	return plan;
+}
+
+/* What the lamp shows while it is tested, after this event. */
+static struct illuminator_test test_after(const struct illuminator *self,
+                                          const struct illuminator_event *event)
+{
+	const struct illuminator_test none = {.on = false};
+
+	switch (event->kind) {
+	case ILLUMINATOR_EVENT_TEST:
+		return event->test;
+	case ILLUMINATOR_EVENT_THERMAL:
+		return event->thermal.state == THERMAL_STATE_SHUTDOWN ? none : self->test;
+	case ILLUMINATOR_EVENT_POWER:
+		return event->powered ? self->test : none;
+	case ILLUMINATOR_EVENT_CONFIG:
+		return self->test;
+	case ILLUMINATOR_EVENT_ON_OFF:
+	case ILLUMINATOR_EVENT_CONFIGURE:
+	case ILLUMINATOR_EVENT_BRIGHTNESS:
+	case ILLUMINATOR_EVENT_RESTORE:
+	case ILLUMINATOR_EVENT_FALLBACK:
+		return none;
+	}
+	PHAROS_ASSERT(false);
+	return none;
+}
+
+static struct light_plan test_plan(const struct illuminator_test *test,
+                                   enum illuminator_curve curve)
+{
+	return (struct light_plan){
+		.on = true,
+		.level_ppm = illuminator_curve_ppm(curve, test->brightness_ppm),
+	};
 }
 
 static bool settings_equal(const struct illuminator_settings *a,
@@ -305,7 +353,9 @@ static void apply(struct illuminator *self, int64_t now_us, const struct illumin
 	} else if (event->kind == ILLUMINATOR_EVENT_POWER) {
 		self->unpowered = !event->powered;
 	}
-	self->plan = plan_of(&self->settings, &self->config);
+	self->test = test_after(self, event);
+	self->plan = self->test.on ? test_plan(&self->test, self->config.curve)
+	                           : plan_of(&self->settings, &self->config);
 
 	if (!plan_equal(&before.plan, &self->plan)) {
 		add(out, ILLUMINATOR_ACTION_LIGHT)->light = self->plan;

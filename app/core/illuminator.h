@@ -79,6 +79,7 @@ enum illuminator_event_kind {
 	ILLUMINATOR_EVENT_RESTORE,    /* restore: settings saved before, enable too */
 	ILLUMINATOR_EVENT_FALLBACK,   /* fallback: every commander is silent */
 	ILLUMINATOR_EVENT_POWER,      /* powered: the lamp's driver has power, or none */
+	ILLUMINATOR_EVENT_TEST,       /* test: what the lamp shows meanwhile, or no more */
 };
 
 /* As in the settings, but any value may be given: what is out of range is DENIED. */
@@ -87,6 +88,15 @@ struct illuminator_configure {
 	uint32_t brightness_ppm;
 	uint32_t strobe_period_us;
 	uint32_t duty_ppm;
+};
+
+/*
+ * While on, the lamp shows this brightness, steady, instead of the settings, which stay. Every
+ * command ends it, and so do a thermal shutdown and the loss of power.
+ */
+struct illuminator_test {
+	bool on;
+	uint32_t brightness_ppm; /* 0…PPM_ONE, else DENIED */
 };
 
 struct illuminator_event {
@@ -100,12 +110,13 @@ struct illuminator_event {
 		struct illuminator_settings restore;
 		enum illuminator_fallback fallback;
 		bool powered;
+		struct illuminator_test test;
 	};
 };
 
 /*
- * DENIED: a value out of range. FAILED: valid, but not now (on during thermal shutdown or without
- * power, repeated or not). Neither changed anything.
+ * DENIED: a value out of range. FAILED: valid, but not now (on, or a test, during thermal shutdown
+ * or without power, repeated or not). Neither changed anything.
  */
 enum illuminator_result {
 	ILLUMINATOR_ACCEPTED,
@@ -163,6 +174,7 @@ struct illuminator {
 	struct illuminator_config config;
 	struct thermal_report thermal;
 	struct light_plan plan;
+	struct illuminator_test test;
 	bool unpowered; /* the lamp is off, and stays so when power comes back */
 	struct illuminator_stats stats;
 	uint32_t revision;  /* advances with each change of settings, and with nothing else */

@@ -45,6 +45,10 @@
 /* MAVLink PARAM_VALUE.param_id is 16 bytes and DroneCAN allows more: 16 without the terminator. */
 #define PARAMS_NAME_MAX 16
 
+/* Self-test: brightness goes up and down again in equal steps. */
+#define SELF_TEST_STEP_US 50000
+#define SELF_TEST_STEPS   40
+
 /* Power channels; a mask of them is stored as one byte. */
 #define POWER_CHANNELS_MAX    8u
 /* A year of 365 days, from which on a relative time is taken for an absolute one and refused. */
@@ -74,6 +78,7 @@ _Static_assert(POWER_SCHEDULE_MAX_US < TIME_MAX_US, "a scheduled time fits");
 _Static_assert(ILLUMINATOR_OUTBOX_MAX >= ILLUMINATOR_STEP_ACTIONS_MAX, "a step fits the outbox");
 _Static_assert((uint64_t)STROBE_PERIOD_CEILING_US *PPM_ONE < (uint64_t)INT64_MAX,
                "period times ratio fits 64 bits");
+_Static_assert(SELF_TEST_STEPS % 2 == 0, "a self-test reaches its peak");
 _Static_assert(GIMBAL_PULSE_MAX_US < GIMBAL_FRAME_US, "a pulse fits its frame");
 _Static_assert(STROBE_PERIOD_CEILING_US <= UINT32_MAX, "a period fits 32 bits");
 _Static_assert(STROBE_PERIOD_FLOOR_US > 1, "a strobe has room for a lit and a dark microsecond");

@@ -29,7 +29,7 @@ static uint32_t around(struct dice *dice, uint32_t limit)
 static struct illuminator_event any_event(struct dice *dice)
 {
 	struct illuminator_event event = {.kind = (enum illuminator_event_kind)(
-						  dice_next(dice) % (ILLUMINATOR_EVENT_POWER + 1))};
+						  dice_next(dice) % (ILLUMINATOR_EVENT_TEST + 1))};
 
 	switch (event.kind) {
 	case ILLUMINATOR_EVENT_ON_OFF:
@@ -86,6 +86,10 @@ static struct illuminator_event any_event(struct dice *dice)
 	case ILLUMINATOR_EVENT_POWER:
 		event.powered = dice_once_in(dice, 2);
 		break;
+	case ILLUMINATOR_EVENT_TEST:
+		event.test.on = dice_once_in(dice, 2);
+		event.test.brightness_ppm = around(dice, PPM_ONE);
+		break;
 	}
 	return event;
 }
@@ -94,7 +98,7 @@ static void assert_plan(const struct illuminator *light)
 {
 	const struct light_plan *plan = &light->plan;
 
-	zassert_equal(plan->on, light->settings.enable, "seed %u", replay_seed());
+	zassert_equal(plan->on, light->settings.enable || light->test.on, "seed %u", replay_seed());
 	zassert_true(plan->level_ppm <= PPM_ONE, "seed %u", replay_seed());
 	if (plan->period_us > 0) {
 		zassert_true(plan->on_us > 0 && plan->on_us < plan->period_us, "seed %u",
