@@ -16,6 +16,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "host" / "src"))
 
 import harness
 from harness import TRANSPORTS, WIRES, Light, Transport, light_on, simulator
+from imc_light import ENCODERS, IMC_WIRES, ImcLight, join
 from pharos import Simulator
 
 _running = pytest.StashKey[list[Simulator]]()
@@ -80,3 +81,12 @@ def light(start: Callable[..., Simulator], transport: Transport) -> Light:
 def udp_light(start: Callable[..., Simulator]) -> Light:
     """As `light`, over UDP only."""
     return light_on(start({"uart0": WIRES["udp"]}))
+
+
+@pytest.fixture(params=[f"{wire}-{order}" for wire in IMC_WIRES for order in ENCODERS])
+def imc(start: Callable[..., Simulator], request: pytest.FixtureRequest) -> ImcLight:
+    """A light under virtual time with an IMC peer: over each transport, in each byte order."""
+    transport, _, order = request.param.partition("-")
+    wire, address, options = IMC_WIRES[transport]
+    sim = start({wire: address}, options=options)
+    return ImcLight(sim, join(sim, wire, order), wire)

@@ -26,6 +26,7 @@ from .link import Link, Port, TcpLink, TerminalLink, UdpLink, parse_address
 
 if TYPE_CHECKING:
     from .can_node import CanPort, DronecanNode
+    from .imc import DatagramLink, ImcPeer
 
 START_TIMEOUT_S = 20.0
 # Bounds of one advance while links are attached, so that what the light sends always fits in the
@@ -413,3 +414,26 @@ class Simulator:
 
         node = self.node(tunnel.own, name, fd=tunnel.fd)
         return TunnelLink(node, tunnel.node, serial_id=tunnel.serial)
+
+    def imc(self, name: str = "imc", **kwargs: Any) -> ImcPeer:
+        """An IMC peer at the other end of the wire `name`, or of the light's datagrams."""
+        from .imc import ImcPeer
+
+        link = self._datagrams() if name == "imc" else self.open(name)
+        return ImcPeer(link, self, **kwargs)
+
+    def _datagrams(self) -> DatagramLink:
+        from .imc import DatagramLink
+
+        info = self.request("imc")
+        kind, _, rest = str(info["address"]).partition(":")
+        if kind != "udp":
+            raise SimulatorError("the light has no datagrams: its option is --imc udp:HOST:PORT")
+        heard_on = int(info["discovery_port"])
+        option = self.command[self.command.index("--imc") + 1]
+        first = int(option.rpartition("discovery=")[2])
+        link = DatagramLink(parse_address(rest, option), first, heard_on)
+        self._attached["imc"] = _Attached(
+            link, int(info["rx_datagrams"]), int(info["tx_datagrams"])
+        )
+        return link

@@ -14,13 +14,16 @@ from .codec import (
     encode,
     message,
 )
+from .peer import DatagramLink, ImcPeer
 from .table import KINDS, Kind
 
 __all__ = [
     "ALL_ENTITIES",
     "EVERYONE",
     "KINDS",
+    "DatagramLink",
     "ImcError",
+    "ImcPeer",
     "Kind",
     "Message",
     "Packet",

@@ -50,6 +50,7 @@ class Packet:
     dst: int = EVERYONE
     dst_ent: int = ALL_ENTITIES
     timestamp: float = 0.0
+    raw: bytes = field(default=b"", compare=False, repr=False)  # as it came
 
     @property
     def name(self) -> str:
@@ -182,7 +183,7 @@ def decode(data: bytes) -> Packet:
     if struct.unpack_from(order + "H", data, end)[0] != checksum(data[:end]):
         raise ImcError("the checksum is wrong")
     what = _Reader(order, data[HEADER_SIZE:end]).message(number)
-    return Packet(what, src, src_ent, dst, dst_ent, timestamp)
+    return Packet(what, src, src_ent, dst, dst_ent, timestamp, data[: end + FOOTER_SIZE])
 
 
 class Stream:
