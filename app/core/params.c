@@ -363,6 +363,18 @@ void params_sync(const struct params *self, struct sync_config *config)
 	};
 }
 
+#ifdef CONFIG_PHAROS_IMC
+void params_thruster(const struct params *self, struct thruster_config *config)
+{
+	*config = (struct thruster_config){
+		.min_us = unsigned_value(self, PARAM_ESC_MIN_US),
+		.max_us = unsigned_value(self, PARAM_ESC_MAX_US),
+		.arm_us = ms_as_us(self, PARAM_ESC_ARM_MS),
+		.loss_us = ms_as_us(self, PARAM_ESC_LOSS_MS),
+	};
+}
+#endif
+
 void params_arbiter(const struct params *self, struct arbiter_config *config)
 {
 	*config = (struct arbiter_config){

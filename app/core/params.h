@@ -19,6 +19,7 @@
 #include "core/params_table.h"
 #include "core/sync.h"
 #include "core/thermal.h"
+#include "core/thruster.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -37,6 +38,7 @@ enum param_group {
 	PARAM_GROUP_DRONECAN,
 	PARAM_GROUP_IMC,
 	PARAM_GROUP_GIMBAL,
+	PARAM_GROUP_OUTPUTS,
 	PARAM_GROUP_COUNT
 };
 
@@ -136,6 +138,9 @@ struct param_set params_settable(void);
 void params_illuminator(const struct params *self, struct illuminator_config *config);
 void params_thermal(const struct params *self, struct thermal_config *config);
 void params_sync(const struct params *self, struct sync_config *config);
+#ifdef CONFIG_PHAROS_IMC
+void params_thruster(const struct params *self, struct thruster_config *config);
+#endif
 void params_arbiter(const struct params *self, struct arbiter_config *config);
 #ifdef CONFIG_PHAROS_GIMBAL
 void params_gimbal(const struct params *self, struct gimbal_config *config);

@@ -158,6 +158,25 @@
 #define PARAMS_IMC(X)
 #endif
 
+/* What IMC actuates besides the lamp and the gimbal. */
+#ifdef CONFIG_PHAROS_IMC
+#define PARAMS_OUTPUTS(X)                                                                          \
+	X(ESC_MIN_US, OUTPUTS, "us", 500, 1400, CONFIG_PHAROS_ESC_MIN_US, 0,                       \
+	  "Pulse of the thruster at full reverse")                                                 \
+	X(ESC_MAX_US, OUTPUTS, "us", 1600, 2500, CONFIG_PHAROS_ESC_MAX_US, 0,                      \
+	  "Pulse of the thruster at full ahead")                                                   \
+	X(ESC_ARM_MS, OUTPUTS, "ms", 0, 60000, CONFIG_PHAROS_ESC_ARM_MS, 0,                        \
+	  "Neutral so long before the thruster takes setpoints")                                   \
+	X(ESC_LOSS_MS, OUTPUTS, "ms", 50, 60000, CONFIG_PHAROS_ESC_LOSS_MS, 0,                     \
+	  "Without a setpoint for so long the thruster is neutral")                                \
+	X(ZOOM_TIME_MS, OUTPUTS, "ms", 100, 600000, CONFIG_PHAROS_ZOOM_TIME_MS, PARAM_FLAG_REBOOT, \
+	  "What the beam's motor needs from flood to spot")                                        \
+	X(DOWN_TIME_S, OUTPUTS, "s", 0, 3600, CONFIG_PHAROS_DOWN_TIME_S, PARAM_FLAG_REBOOT,        \
+	  "How long a power-down is announced before it happens")
+#else
+#define PARAMS_OUTPUTS(X)
+#endif
+
 /* The gimbal. */
 #ifdef CONFIG_PHAROS_GIMBAL
 #define PARAMS_GIMBAL(X)                                                                           \
@@ -215,6 +234,7 @@
 	PARAMS_THERMAL(X)                                                                          \
 	PARAMS_SYNC(X)                                                                             \
 	PARAMS_MAVLINK(X)                                                                          \
-	PARAMS_SIGNING(X) PARAMS_ROUTING(X) PARAMS_DRONECAN(X) PARAMS_IMC(X) PARAMS_GIMBAL(X)
+	PARAMS_SIGNING(X)                                                                          \
+	PARAMS_ROUTING(X) PARAMS_DRONECAN(X) PARAMS_IMC(X) PARAMS_GIMBAL(X) PARAMS_OUTPUTS(X)
 
 #endif

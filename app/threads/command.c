@@ -10,6 +10,7 @@
 #include <pharos/drivers/light.h>
 #include <pharos/drivers/probe.h>
 
+#include "threads/actuation.h"
 #include "threads/can_node.h"
 #include "threads/clock.h"
 #include "threads/devices.h"
@@ -221,6 +222,7 @@ void command_params_in_force(struct command *self, const struct param_set *chang
 		can_node_configure(&self->params);
 	}
 	gimbal_node_configure(self, changed);
+	actuation_configure(&self->params, changed);
 	if (!param_set_is_empty(changed)) {
 		storage_save_params(&self->params, changed);
 	}

@@ -42,6 +42,31 @@ const struct devices devices = {
 	.driver_fault = GPIO_DT_SPEC_GET_OR(DT_ALIAS(driver_fault), gpios, {0}),
 };
 
+#ifdef CONFIG_PHAROS_IMC
+#define GPIO_OR_NONE(alias_) GPIO_DT_SPEC_GET_OR(DT_ALIAS(alias_), gpios, {0})
+#define PWM_OR_NONE(alias_)                                                                        \
+	COND_CODE_1(DT_NODE_EXISTS(DT_ALIAS(alias_)), (PWM_DT_SPEC_GET(DT_ALIAS(alias_))), ({0}))
+
+#ifdef CONFIG_AUXDISPLAY
+#define DISPLAY DEVICE_DT_GET_OR_NULL(DT_ALIAS(display0))
+#else
+#define DISPLAY NULL
+#endif
+
+const struct actuator_devices actuator_devices = {
+	.power = {GPIO_OR_NONE(power_lamp), GPIO_OR_NONE(power_gimbal), GPIO_OR_NONE(power_camera),
+                  GPIO_OR_NONE(power_aux)},
+	.gpio_outputs = {GPIO_OR_NONE(gpio_out0), GPIO_OR_NONE(gpio_out1)},
+	.gpio_inputs = {GPIO_OR_NONE(gpio_in0), GPIO_OR_NONE(gpio_in1)},
+	.pwms = {PWM_OR_NONE(aux_pwm0), PWM_OR_NONE(aux_pwm1)},
+	.leds = {PWM_OR_NONE(led_status), PWM_OR_NONE(led_signal)},
+	.thruster = PWM_OR_NONE(thruster0),
+	.focus_in = GPIO_OR_NONE(focus_in),
+	.focus_out = GPIO_OR_NONE(focus_out),
+	.display = DISPLAY,
+};
+#endif
+
 #ifdef CONFIG_PHAROS_FIRMWARE_UPDATE
 uint8_t devices_update_slot(void)
 {

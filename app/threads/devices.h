@@ -8,6 +8,7 @@
 
 #include <zephyr/device.h>
 #include <zephyr/drivers/gpio.h>
+#include <zephyr/drivers/pwm.h>
 
 #include "threads/limits.h"
 
@@ -29,6 +30,24 @@ struct devices {
 };
 
 extern const struct devices devices;
+
+#ifdef CONFIG_PHAROS_IMC
+/* What IMC actuates, by its number (proto/imc/actuation_map.h). .port or .dev NULL: not on this
+ * board. */
+struct actuator_devices {
+	struct gpio_dt_spec power[ACTUATOR_POWER_CHANNELS];
+	struct gpio_dt_spec gpio_outputs[ACTUATOR_GPIO_OUTPUTS];
+	struct gpio_dt_spec gpio_inputs[ACTUATOR_GPIO_INPUTS];
+	struct pwm_dt_spec pwms[ACTUATOR_PWMS];
+	struct pwm_dt_spec leds[ACTUATOR_LEDS];
+	struct pwm_dt_spec thruster;
+	struct gpio_dt_spec focus_in;
+	struct gpio_dt_spec focus_out;
+	const struct device *display; /* NULL: not on this board */
+};
+
+extern const struct actuator_devices actuator_devices;
+#endif
 
 #ifdef CONFIG_PHAROS_FIRMWARE_UPDATE
 /* The flash area for a new image, and its bytes. */

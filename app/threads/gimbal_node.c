@@ -122,6 +122,15 @@ int32_t gimbal_node_share_mdeg(const struct command *command, enum gimbal_axis_i
 	return gimbal_share_mdeg(&command->gimbal.gimbal, axis, share_ppm);
 }
 
+int32_t gimbal_node_share_rate(const struct command *command, enum gimbal_axis_id axis,
+                               int32_t share_ppm)
+{
+	PHAROS_ASSERT(command->gimbal.active);
+	const int64_t fastest = command->gimbal.gimbal.config.axes[axis].rate_mdeg_per_s;
+
+	return (int32_t)(fastest * share_ppm / (int32_t)PPM_ONE);
+}
+
 enum arbiter_source gimbal_node_commander(const struct command *command)
 {
 	return command->gimbal.active ? command->gimbal.arbiter.commander : ARBITER_SOURCE_NONE;

@@ -43,6 +43,10 @@ bool gimbal_node_is_active(const struct command *command);
 int32_t gimbal_node_share_mdeg(const struct command *command, enum gimbal_axis_id axis,
                                int32_t share_ppm);
 
+/* A share of an axis's fastest rate, -PPM_ONE…PPM_ONE, in mdeg/s. There is a gimbal (asserted). */
+int32_t gimbal_node_share_rate(const struct command *command, enum gimbal_axis_id axis,
+                               int32_t share_ppm);
+
 /* Who aims it now. */
 enum arbiter_source gimbal_node_commander(const struct command *command);
 
@@ -71,6 +75,12 @@ static inline bool gimbal_node_is_active(const struct command *command)
 }
 
 static inline int32_t gimbal_node_share_mdeg(const struct command *command,
+                                             enum gimbal_axis_id axis, int32_t share_ppm)
+{
+	return 0;
+}
+
+static inline int32_t gimbal_node_share_rate(const struct command *command,
                                              enum gimbal_axis_id axis, int32_t share_ppm)
 {
 	return 0;

@@ -7,6 +7,7 @@
 #include <pharos/drivers/datagram.h>
 
 #include "proto/imc/endpoint.h"
+#include "threads/actuation.h"
 #include "threads/clock.h"
 #include "threads/devices.h"
 #include "threads/imc_link.h"
@@ -54,6 +55,7 @@ void imc_node_start(struct command *command)
 	}
 	active = config.node.services != NULL || config.node.stream_links != 0;
 	imc_endpoint_init(&endpoint, clock_now_us(), &config, &command->params);
+	imc_endpoint_attach(&endpoint, actuation_start(command));
 }
 
 /* --- performing ------------------------------------------------------------------------------- */
@@ -62,6 +64,7 @@ static void perform_action(struct command *command, const struct imc_action *act
 {
 	switch (action->kind) {
 	case IMC_ACTION_ACTUATE:
+		actuation_perform(command);
 		break;
 	case IMC_ACTION_PARAMS_CHANGED:
 		command_params_changed(command, &action->changed);
@@ -116,9 +119,18 @@ static void perform(struct command *command)
 
 void imc_node_take(struct command *command, struct imc_frame *frame)
 {
+	actuation_sample();
 	imc_endpoint_receive(&endpoint, clock_now_us(), &frame->route, frame->bytes, &out);
 	perform(command);
 	imc_link_frame_free(frame);
+}
+
+void imc_node_button(struct command *command, uint8_t button, bool pressed)
+{
+	if (active) {
+		imc_endpoint_button(&endpoint, clock_now_us(), button, pressed, &out);
+		perform(command);
+	}
 }
 
 void imc_node_poll(struct command *command)

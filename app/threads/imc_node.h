@@ -21,6 +21,9 @@ void imc_node_start(struct command *command);
 /* A packet from the pool of imc_link.h, which gets it back. */
 void imc_node_take(struct command *command, struct imc_frame *frame);
 
+/* A button has been pressed or released: tell everyone. */
+void imc_node_button(struct command *command, uint8_t button, bool pressed);
+
 /* Sends what is due. */
 void imc_node_poll(struct command *command);
 int64_t imc_node_due_us(void);
@@ -38,6 +41,10 @@ static inline void imc_node_start(struct command *command)
 }
 
 static inline void imc_node_take(struct command *command, struct imc_frame *frame)
+{
+}
+
+static inline void imc_node_button(struct command *command, uint8_t button, bool pressed)
 {
 }
 

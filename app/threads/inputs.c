@@ -7,8 +7,12 @@
 
 #include "threads/command.h"
 #include "threads/devices.h"
+#include "threads/imc_node.h"
 
 LOG_MODULE_REGISTER(inputs);
+
+/* The button's, as told over IMC. */
+#define BUTTON_NUMBER 0
 
 struct input {
 	const struct gpio_dt_spec *spec;
@@ -49,8 +53,16 @@ static int toggle(struct command *command, void *argument)
 	return verdict == ARBITER_GRANTED && result == ILLUMINATOR_ACCEPTED ? 0 : -EACCES;
 }
 
+/* In the command thread. */
+static int tell(struct command *command, void *argument)
+{
+	imc_node_button(command, BUTTON_NUMBER, *(const bool *)argument);
+	return 0;
+}
+
 static void button_changed(bool active)
 {
+	command_call(tell, &active);
 	if (!active) {
 		return;
 	}

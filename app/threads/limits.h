@@ -57,6 +57,13 @@
 #endif
 /* Requests to the command thread: every frame, and a few reports and calls besides. */
 #define COMMAND_QUEUE_MAX    (LINK_FRAMES_MAX + CAN_FRAMES_MAX + IMC_FRAMES_MAX + 8)
+/* What a board may have of each kind. */
+#define ACTUATOR_POWER_CHANNELS 4
+#define ACTUATOR_GPIO_OUTPUTS   2
+#define ACTUATOR_GPIO_INPUTS    2
+#define ACTUATOR_PWMS           2
+#define ACTUATOR_LEDS           2
+
 /* What the light listens to on CAN: DroneCAN's messages and services. */
 #define CAN_LINK_FILTERS_MAX 8
 

@@ -16,6 +16,7 @@ LOG_MODULE_REGISTER(storage);
 
 #define SUBTREE         "pharos"
 #define LIGHT_NAME      SUBTREE "/light"
+#define POWER_NAME      SUBTREE "/power"
 #define SIGNING_NAME    SUBTREE "/signing"
 #define PARAM_PREFIX    SUBTREE "/param/"
 #define STORED_NAME_MAX (sizeof(PARAM_PREFIX) + PARAMS_NAME_MAX)
@@ -38,6 +39,10 @@ static struct {
 	int32_t values[PARAM_COUNT];
 	bool light;
 	struct stored_light settings;
+#ifdef CONFIG_PHAROS_IMC
+	bool power;
+	uint8_t power_mask;
+#endif
 #ifdef CONFIG_PHAROS_SIGNING
 	bool signing;
 	struct mavlink_signing_record record;
@@ -119,6 +124,41 @@ int storage_load(struct params *params, struct illuminator_settings *light, bool
 	};
 	return 0;
 }
+
+#ifdef CONFIG_PHAROS_IMC
+static int load_power(const char *key, size_t length, settings_read_cb read, void *arg, void *param)
+{
+	uint8_t mask;
+
+	if (key == NULL && length == sizeof(mask) && read(arg, &mask, length) == (ssize_t)length) {
+		*(int *)param = mask;
+	}
+	return 0;
+}
+
+int storage_load_power(void)
+{
+	int mask = -1;
+	const int error = settings_load_subtree_direct(POWER_NAME, load_power, &mask);
+
+	if (error != 0) {
+		LOG_ERR("cannot load the power channels: error %d; defaults apply", error);
+		stats.last_error = error;
+		stats.failures++;
+	}
+	return mask;
+}
+
+void storage_save_power(uint8_t mask)
+{
+	const unsigned int key = irq_lock();
+
+	pending.power = true;
+	pending.power_mask = mask;
+	irq_unlock(key);
+	k_sem_give(&requested);
+}
+#endif
 
 #ifdef CONFIG_PHAROS_SIGNING
 /* As it lies in the store: little endian on every target, without gaps. */
@@ -249,6 +289,21 @@ static void write_signing(void)
 #endif
 }
 
+static void write_power(void)
+{
+#ifdef CONFIG_PHAROS_IMC
+	const unsigned int key = irq_lock();
+	const bool wanted = pending.power;
+	const uint8_t mask = pending.power_mask;
+
+	pending.power = false;
+	irq_unlock(key);
+	if (wanted) {
+		write_value(POWER_NAME, &mask, sizeof(mask));
+	}
+#endif
+}
+
 static void write_light(void)
 {
 	const unsigned int key = irq_lock();
@@ -272,6 +327,7 @@ void storage_run(void *p1, void *p2, void *p3)
 	for (;;) {
 		k_sem_take(&requested, K_FOREVER);
 		write_signing();
+		write_power();
 		while (write_param()) {
 		}
 		firmware_store();

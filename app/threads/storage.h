@@ -34,6 +34,16 @@ void storage_save_params(const struct params *params, const struct param_set *ch
 /* Write the settings, once they have stood for a second. Command thread. */
 void storage_save_light(const struct illuminator_settings *light);
 
+#ifdef CONFIG_PHAROS_IMC
+/* The power channels that are on after a start, as a mask, or -1: never saved. After
+ * storage_load().
+ */
+int storage_load_power(void);
+
+/* Write them. Command thread. */
+void storage_save_power(uint8_t mask);
+#endif
+
 #ifdef CONFIG_PHAROS_SIGNING
 /* The signing key and timestamp of the last run; all zero: none. After storage_load(). */
 void storage_load_signing(struct mavlink_signing_record *record);

@@ -197,6 +197,18 @@ void imc_actuation_receive(struct imc_actuation *self, int64_t now_us,
 	follow(self, now_us, out);
 }
 
+bool imc_actuation_power(struct imc_actuation *self, int64_t now_us, enum arbiter_source source,
+                         uint32_t channel, uint32_t op)
+{
+	begin(self);
+	if (imc_actuation_switch_power(self, now_us, source, channel, op, 0) !=
+	    IMC_ACTUATION_DONE) {
+		return false;
+	}
+	imc_actuation_power_lamp(self, now_us);
+	return true;
+}
+
 void imc_actuation_step(struct imc_actuation *self, int64_t now_us, struct imc_outbox *out)
 {
 	begin(self);

@@ -72,6 +72,8 @@ struct imc_actuation_refusal {
 	char name[IMC_ACTUATION_NAME_MAX + 1]; /* where it has one, cut off; else "" */
 };
 
+struct imc_map_row;
+
 struct imc_actuation {
 	struct illuminator *illuminator;
 	struct arbiter *arbiter;
@@ -99,6 +101,14 @@ void imc_actuation_receive(struct imc_actuation *self, int64_t now_us,
 /* At its deadline or before. Adds to *out. */
 void imc_actuation_step(struct imc_actuation *self, int64_t now_us, struct imc_outbox *out);
 int64_t imc_actuation_deadline_us(const struct imc_actuation *self);
+
+/* A command for a power channel from elsewhere, as power_command(); the lamp's is a command to the
+ * lamp. False: there, or by the arbiter, refused. */
+bool imc_actuation_power(struct imc_actuation *self, int64_t now_us, enum arbiter_source source,
+                         uint32_t channel, uint32_t op);
+
+/* Whether this board has what a row of the map says. */
+bool imc_actuation_has(const struct imc_actuation *self, const struct imc_map_row *row);
 
 /* A button of the device has been pressed or released: tells everyone. Adds to *out. */
 void imc_actuation_button(uint8_t button, bool pressed, struct imc_outbox *out);

@@ -25,9 +25,6 @@ static inline bool imc_mask_has(uint32_t mask, uint8_t number)
 void imc_turn_reply(const struct imc_turn *turn, enum imc_entity entity,
                     const struct imc_message *message);
 
-/* Whether this board has what a row of the map says. */
-bool imc_actuation_has(const struct imc_actuation *self, const struct imc_map_row *row);
-
 /* NULL: not on this board. What was asked for is kept for the log. */
 const struct imc_map_row *imc_actuation_find_name(struct imc_actuation *self,
                                                   enum imc_map_space space,
@@ -79,6 +76,11 @@ enum imc_actuation_outcome imc_actuation_pulse_lamp(struct imc_actuation *self, 
 
 /* Makes the lamp follow its power: no command, so nobody is asked. */
 void imc_actuation_power_lamp(struct imc_actuation *self, int64_t now_us);
+
+/* actuation_power.c. A command for a power channel; delay_us as in power_command(). */
+enum imc_actuation_outcome imc_actuation_switch_power(struct imc_actuation *self, int64_t now_us,
+                                                      enum arbiter_source source, uint32_t channel,
+                                                      uint32_t op, int64_t delay_us);
 
 /* actuation_panel.c. Carries out what the remote calls for. */
 enum imc_actuation_outcome imc_actuation_perform_remote(struct imc_actuation *self, int64_t now_us,

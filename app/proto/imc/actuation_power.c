@@ -8,6 +8,24 @@
 #define GRACE_MAX_S 3600.0f
 _Static_assert(SHUTDOWN_GRACE_MAX_US == 3600 * (int64_t)US_PER_S, "as the core has it");
 
+enum imc_actuation_outcome imc_actuation_switch_power(struct imc_actuation *self, int64_t now_us,
+                                                      enum arbiter_source source, uint32_t channel,
+                                                      uint32_t op, int64_t delay_us)
+{
+	const bool lamp = channel == POWER_CHANNEL_LAMP;
+
+	if (lamp && arbiter_check(self->arbiter, now_us, source) != ARBITER_GRANTED) {
+		return IMC_ACTUATION_REFUSED;
+	}
+	if (!power_command(&self->actuators.power, now_us, channel, op, delay_us)) {
+		return IMC_ACTUATION_OUT_OF_RANGE;
+	}
+	if (lamp) {
+		arbiter_commit(self->arbiter, now_us, source);
+	}
+	return IMC_ACTUATION_DONE;
+}
+
 enum imc_actuation_outcome imc_actuation_take_power_channel_control(struct imc_actuation *self,
                                                                     const struct imc_turn *turn)
 {
@@ -25,19 +43,8 @@ enum imc_actuation_outcome imc_actuation_take_power_channel_control(struct imc_a
 	if (timed && !imc_seconds_to_us(set->sched_time, &delay_us)) {
 		return IMC_ACTUATION_OUT_OF_RANGE;
 	}
-	const bool lamp = row->number == POWER_CHANNEL_LAMP;
-
-	if (lamp &&
-	    arbiter_check(self->arbiter, turn->now_us, ARBITER_SOURCE_IMC) != ARBITER_GRANTED) {
-		return IMC_ACTUATION_REFUSED;
-	}
-	if (!power_command(&self->actuators.power, turn->now_us, row->number, set->op, delay_us)) {
-		return IMC_ACTUATION_OUT_OF_RANGE;
-	}
-	if (lamp) {
-		arbiter_commit(self->arbiter, turn->now_us, ARBITER_SOURCE_IMC);
-	}
-	return IMC_ACTUATION_DONE;
+	return imc_actuation_switch_power(self, turn->now_us, ARBITER_SOURCE_IMC, row->number,
+	                                  set->op, delay_us);
 }
 
 enum imc_actuation_outcome imc_actuation_take_query_power_channel_state(struct imc_actuation *self,

@@ -48,8 +48,9 @@ static bool is_read_only(uint32_t index)
 /* MAVLink reference: names of at most 16 characters; DroneCAN and the shell want them plain. */
 ZTEST(core_params, test_every_row_is_complete_and_its_name_is_unique)
 {
-	static const char *const prefixes[] = {"LGT_", "STRB_", "THR_", "SYNC_", "MAV_", "CAN_",
-	                                       "IMC_", "UART",  "GMB_", "BCN_",  "PRG_"};
+	static const char *const prefixes[] = {"LGT_", "STRB_", "THR_",  "SYNC_", "MAV_",
+	                                       "CAN_", "IMC_",  "UART",  "GMB_",  "BCN_",
+	                                       "PRG_", "ESC_",  "ZOOM_", "DOWN_"};
 
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
 		const struct param_info *info = params_info(i);
