@@ -27,6 +27,7 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "host" / "src"))
 
 import can_bus
+import imc_codec
 import param_list
 
 from pharos import Simulator, find_dialect, load_dialect
@@ -342,6 +343,10 @@ def main() -> int:
     figures, ratio_of_list = param_list.measure(binary, dialect)
     rows += [Row(*figure) for figure in figures]
     rows.append(at_most("parameters: list / bytes", ratio_of_list, "×", param_list.LIMIT_RATIO))
+    figures, ratio_of_imcpy = imc_codec.measure(args.tools)
+    rows += [Row(*figure) for figure in figures]
+    if ratio_of_imcpy is not None:
+        rows.append(at_least("IMC in, imcpy / pharos", ratio_of_imcpy, "×", imc_codec.LIMIT_RATIO))
     rows += [Row(*figure) for figure in can_bus.measure(binary, dialect)]
 
     print(machine())
