@@ -11,6 +11,7 @@ import pytest
 from dronecan import uavcan
 
 from harness import ACCEPTED, BUS, CONSOLE, FULL_PPM, SECOND_US, WIRES, Light, Shell, light_on
+from imc_light import join
 from parameters import get_param, set_param
 from pharos import Edge, MavlinkConnection, Simulator, Source
 
@@ -136,15 +137,21 @@ def hardpoint(command: int) -> Any:
     return uavcan.equipment.hardpoint.Command(hardpoint_id=0, command=command)
 
 
-@pytest.mark.parametrize("last", ["mavlink", "dronecan", "shell"])
+@pytest.mark.parametrize("last", ["mavlink", "dronecan", "imc", "shell"])
 def test_only_the_silence_of_all_protocols_counts(
     start: Callable[..., Simulator], last: str
 ) -> None:
-    """MAVLink over UDP, DroneCAN and the shell: while one of them speaks nothing is lost."""
-    sim = start({"uart0": WIRES["udp"], "can0": BUS, "console": CONSOLE})
+    """MAVLink over UDP, DroneCAN, IMC over TCP and the shell: while one of them speaks nothing is
+    lost."""
+    wires = {"uart0": WIRES["udp"], "uart1": WIRES["tcp"], "can0": BUS, "console": CONSOLE}
+    sim = start(wires)
+    shell = Shell(sim)
+    shell("param set UART1_PROTO 1")
+    sim.advance(s=1)
+    sim.reset()
     light = light_on(sim)
     node = sim.node(9)
-    shell = Shell(sim)
+    peer = join(sim, "uart1")
     arm(light, OFF)
 
     def speak() -> None:
@@ -152,6 +159,8 @@ def test_only_the_silence_of_all_protocols_counts(
             light.mav.heartbeat()
         elif last == "dronecan":
             node.broadcast(hardpoint(1), priority=16)
+        elif last == "imc":
+            peer.send("Heartbeat")
         else:
             shell("light on")
 
