@@ -65,11 +65,8 @@ _Static_assert(CONFIG_PHAROS_GIMBAL_PAN_MIN_MDEG < CONFIG_PHAROS_GIMBAL_PAN_MAX_
                "default limits of the gimbal");
 #endif
 
-static bool holds(const struct rule *rule, const int32_t values[PARAM_COUNT])
+static bool holds(const struct rule *rule, int32_t less, int32_t more)
 {
-	const int32_t less = values[rule->less];
-	const int32_t more = values[rule->more];
-
 	return less < more || (rule->equal && less == more);
 }
 
@@ -131,11 +128,12 @@ static enum params_result decide(const struct params *self, uint32_t index, int3
 	if (!in_range(index, value)) {
 		return PARAMS_OUT_OF_RANGE;
 	}
-	struct params next = *self;
-
-	next.values[index] = value;
 	for (uint32_t i = 0; i < RULES; i++) {
-		if (!holds(&rules[i], next.values)) {
+		const struct rule *const rule = &rules[i];
+		const int32_t less = rule->less == index ? value : self->values[rule->less];
+		const int32_t more = rule->more == index ? value : self->values[rule->more];
+
+		if (!holds(rule, less, more)) {
 			return PARAMS_CONFLICT;
 		}
 	}
@@ -203,9 +201,11 @@ struct param_set params_load(struct params *self, const int32_t values[PARAM_COU
 	/* A repair may break a rule next to it; once all members are defaults, all rules hold. */
 	for (uint32_t pass = 0; pass < RULES; pass++) {
 		for (uint32_t i = 0; i < RULES; i++) {
-			if (!holds(&rules[i], self->values)) {
-				to_default(self, rules[i].less, &repaired);
-				to_default(self, rules[i].more, &repaired);
+			const struct rule *const rule = &rules[i];
+
+			if (!holds(rule, self->values[rule->less], self->values[rule->more])) {
+				to_default(self, rule->less, &repaired);
+				to_default(self, rule->more, &repaired);
 			}
 		}
 	}
