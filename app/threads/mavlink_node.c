@@ -2,10 +2,12 @@
 #include "threads/mavlink_node.h"
 
 #include <zephyr/kernel.h>
+#include <zephyr/logging/log.h>
 #include <zephyr/sys/printk.h>
 
 #include <pharos/drivers/probe.h>
 
+#include "proto/mavlink/gimbal_service.h"
 #include "proto/mavlink/illuminator_service.h"
 #include "threads/clock.h"
 #include "threads/devices.h"
@@ -13,12 +15,36 @@
 #include "threads/link.h"
 #include "threads/storage.h"
 
+LOG_MODULE_REGISTER(mavlink);
+
 /* MAV_SYSID 0 leaves the choice to the vehicle; until one is heard, this. */
 #define SYSTEM_ID_FALLBACK 1
 
 static struct mavlink_endpoint endpoint;
 static struct mavlink_illuminator illuminator;
+#ifdef CONFIG_PHAROS_GIMBAL
+static struct mavlink_gimbal gimbal;
+#endif
 static struct mavlink_outbox out;
+
+/* The gimbal, if there is one: a component of its own. */
+static void add_gimbal(struct command *command, int64_t now_us)
+{
+#ifdef CONFIG_PHAROS_GIMBAL
+	const uint8_t id = (uint8_t)command->params.values[PARAM_GMB_COMPID];
+
+	if (!command->gimbal.active) {
+		return;
+	}
+	if (command->params.values[PARAM_MAV_COMPID] == id) {
+		LOG_ERR("GMB_COMPID is the light's: no gimbal over MAVLink");
+		return;
+	}
+	mavlink_gimbal_init(&gimbal, &command->gimbal.gimbal, &command->gimbal.arbiter,
+	                    &command->params, identity_get());
+	mavlink_endpoint_add(&endpoint, now_us, id, &mavlink_gimbal_profile, &gimbal);
+#endif
+}
 
 void mavlink_node_init(struct command *command)
 {
@@ -46,6 +72,7 @@ void mavlink_node_init(struct command *command)
 #endif
 	mavlink_endpoint_add(&endpoint, now_us, (uint8_t)command->params.values[PARAM_MAV_COMPID],
 	                     &mavlink_illuminator_profile, &illuminator);
+	add_gimbal(command, now_us);
 	identity_boot_text(text);
 	mavlink_endpoint_text(&endpoint, now_us, 6 /* MAV_SEVERITY_INFO */, text);
 }
@@ -168,3 +195,10 @@ const struct mavlink_endpoint *mavlink_node_endpoint(void)
 {
 	return &endpoint;
 }
+
+#ifdef CONFIG_PHAROS_GIMBAL
+const struct mavlink_gimbal_stats *mavlink_node_gimbal_stats(void)
+{
+	return &gimbal.stats;
+}
+#endif

@@ -10,6 +10,7 @@
 #include <stdint.h>
 
 #include "proto/mavlink/endpoint.h"
+#include "proto/mavlink/gimbal_service.h"
 #include "threads/command.h"
 
 /* Before the threads start. */
@@ -43,5 +44,9 @@ void mavlink_node_set_key(const struct mavlink_signing_record *record);
 
 /* For the shell: from functions given to command_call(). */
 const struct mavlink_endpoint *mavlink_node_endpoint(void);
+#ifdef CONFIG_PHAROS_GIMBAL
+/* Zeros where there is no gimbal. */
+const struct mavlink_gimbal_stats *mavlink_node_gimbal_stats(void);
+#endif
 
 #endif

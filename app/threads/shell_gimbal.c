@@ -9,6 +9,7 @@
 #include "threads/clock.h"
 #include "threads/command.h"
 #include "threads/fixed.h"
+#include "threads/mavlink_node.h"
 
 #define MDEG_DECIMALS 3
 
@@ -93,9 +94,17 @@ static int cmd_gimbal_retract(const struct shell *sh, size_t argc, char **argv)
 	return gimbal_command(sh, &event);
 }
 
-static int copy_node(struct command *command, void *argument)
+struct status {
+	struct gimbal_node node;
+	struct mavlink_gimbal_stats mavlink;
+};
+
+static int copy_status(struct command *command, void *argument)
 {
-	*(struct gimbal_node *)argument = command->gimbal;
+	struct status *const status = argument;
+
+	status->node = command->gimbal;
+	status->mavlink = *mavlink_node_gimbal_stats();
 	return 0;
 }
 
@@ -111,15 +120,16 @@ static void print_axis(const struct shell *sh, const char *label, int32_t mdeg, 
 
 static int cmd_gimbal_status(const struct shell *sh, size_t argc, char **argv)
 {
-	struct gimbal_node node;
+	struct status status;
+	const struct gimbal_node *const node = &status.node;
 
-	command_call(copy_node, &node);
-	if (!node.active) {
+	command_call(copy_status, &status);
+	if (!node->active) {
 		shell_error(sh, "there is no gimbal (see: param get GMB_ENABLE)");
 		return -ENODEV;
 	}
 
-	const struct gimbal_report report = gimbal_report(&node.gimbal, clock_now_us());
+	const struct gimbal_report report = gimbal_report(&node->gimbal, clock_now_us());
 	char heading[FIXED_TEXT_MAX];
 
 	fixed_format(heading, report.heading_mdeg, MDEG_DECIMALS);
@@ -131,12 +141,15 @@ static int cmd_gimbal_status(const struct shell *sh, size_t argc, char **argv)
 	if (report.attitude_lost) {
 		shell_print(sh, "%-14sholds still without the vehicle's attitude", "");
 	}
-	shell_print(sh, "%-14s%s", "commander", arbiter_source_name(node.arbiter.commander));
+	shell_print(sh, "%-14s%s", "commander", arbiter_source_name(node->arbiter.commander));
 	shell_print(sh, "%-14s%s, %u errors", "servos", report.fault ? "FAULT" : "ok",
-	            node.servo_errors);
+	            node->servo_errors);
 	shell_print(sh, "%-14s%u; refused %u, rates ended %u, attitude lost %u", "commands",
-	            node.gimbal.stats.accepted, node.gimbal.stats.denied,
-	            node.gimbal.stats.rate_timeouts, node.gimbal.stats.attitude_losses);
+	            node->gimbal.stats.accepted, node->gimbal.stats.denied,
+	            node->gimbal.stats.rate_timeouts, node->gimbal.stats.attitude_losses);
+	shell_print(sh, "%-14s%u set, %u refused, %u without meaning; asked for data %u", "mavlink",
+	            status.mavlink.set, status.mavlink.refused, status.mavlink.bad,
+	            status.mavlink.requests);
 	return 0;
 }
 

@@ -9,7 +9,7 @@ import math
 import os
 import re
 import struct
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -182,6 +182,11 @@ class Shell:
 
 def of(kind: str, messages: Sequence[Any]) -> list[Any]:
     return [m for m in messages if m.get_type() == kind]
+
+
+def from_light(messages: Iterable[Any], component: int = 243) -> list[Any]:
+    """Those of the light, not of the device's gimbal, or the other way round."""
+    return [m for m in messages if m.get_srcComponent() == component]
 
 
 def payload_of(message: Any) -> bytes:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from harness import ACCEPTED, WIRES, Light, light_on, of
+from harness import ACCEPTED, WIRES, Light, from_light, light_on, of
 from pharos import MavlinkConnection, Simulator
 from pharos.link import UdpLink
 
@@ -171,4 +171,4 @@ def test_serial_device_that_appears_later_is_used(
     sim.advance(s=30)
     light: Light = light_on(sim)
     assert light.on() == ACCEPTED
-    assert len(of("HEARTBEAT", light.collect(3))) == 3
+    assert len(of("HEARTBEAT", from_light(light.collect(3)))) == 3

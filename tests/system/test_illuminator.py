@@ -26,6 +26,7 @@ from harness import (
     STATUS,
     Light,
     f32,
+    from_light,
     of,
     payload_of,
 )
@@ -34,18 +35,18 @@ pytestmark = pytest.mark.usefixtures("transport")
 
 
 def test_heartbeat_comes_once_a_second(light: Light) -> None:
-    assert len(of("HEARTBEAT", light.collect(10))) == 10
+    assert len(of("HEARTBEAT", from_light(light.collect(10)))) == 10
 
 
 def test_heartbeat_says_illuminator_without_autopilot(light: Light) -> None:
-    heartbeat = of("HEARTBEAT", light.collect(2))[0]
+    heartbeat = of("HEARTBEAT", from_light(light.collect(2)))[0]
     assert heartbeat.type == 44  # MAV_TYPE_ILLUMINATOR
     assert heartbeat.autopilot == 8  # MAV_AUTOPILOT_INVALID
     assert heartbeat.system_status == STATE_ACTIVE
 
 
-def test_component_id_is_243_by_default(light: Light) -> None:
-    assert {m.get_srcComponent() for m in light.collect(3)} == {243}
+def test_component_ids_are_those_of_an_illuminator_and_a_gimbal_by_default(light: Light) -> None:
+    assert {m.get_srcComponent() for m in light.collect(3)} == {243, 154}
 
 
 def test_status_streams_once_a_second_unasked(light: Light) -> None:

@@ -22,6 +22,7 @@ from harness import (
     THROTTLING,
     WIRES,
     Light,
+    from_light,
     light_on,
     of,
     texts,
@@ -77,7 +78,7 @@ def test_shutdown_is_dark_and_seen_in_status_text_and_heartbeat(udp_light: Light
     _shut_down(udp_light)
     assert udp_light.level_ppm() == 0
     assert _flags(udp_light) & OVER_TEMPERATURE
-    heartbeat = of("HEARTBEAT", udp_light.collect(2))[0]
+    heartbeat = of("HEARTBEAT", from_light(udp_light.collect(2)))[0]
     assert heartbeat.system_status in (STATE_CRITICAL, STATE_EMERGENCY)
     said = [t.lower() for t in texts(list(udp_light.mav.history))]
     assert any("shutdown" in t or "shut down" in t for t in said), said
@@ -111,7 +112,7 @@ def test_shutdown_is_latched_until_cool_then_recovers(udp_light: Light) -> None:
     assert udp_light.status().temp_c < shutdown_c - 3
     udp_light.sim.advance(s=3600)
     assert _flags(udp_light) == 0
-    assert of("HEARTBEAT", udp_light.collect(2))[0].system_status == STATE_ACTIVE
+    assert of("HEARTBEAT", from_light(udp_light.collect(2)))[0].system_status == STATE_ACTIVE
     assert udp_light.on() == ACCEPTED
     udp_light.sim.advance(s=1)
     assert udp_light.level_ppm() == FULL_PPM

@@ -143,17 +143,57 @@ static void acknowledge(const struct mavlink_context *context, uint16_t id, uint
 	(void)mavlink_send(context, context->link, &kind, &ack);
 }
 
+static const struct mavlink_command_row *row_of(const struct mavlink_component *component,
+                                                uint16_t id)
+{
+	for (uint8_t i = 0; i < component->profile->command_count; i++) {
+		if (component->profile->commands[i].id == id) {
+			return &component->profile->commands[i];
+		}
+	}
+	return NULL;
+}
+
+/* Has the component that command, and the message that it is about? */
+static bool is_known(const struct mavlink_component *component,
+                     const struct mavlink_command *command)
+{
+	uint32_t id;
+
+	switch (command->id) {
+	case MAV_CMD_REQUEST_MESSAGE:
+	case MAV_CMD_SET_MESSAGE_INTERVAL:
+	case MAV_CMD_GET_MESSAGE_INTERVAL:
+		return mavlink_whole(command->param[0], MAVLINK_MESSAGE_ID_MAX, &id) &&
+		       mavlink_message_find(component, id) != NULL;
+	default:
+		return row_of(component, command->id) != NULL;
+	}
+}
+
+/* A command to all is for those that know it; when none does, the first says so. */
+static bool is_to_answer(const struct mavlink_context *context,
+                         const struct mavlink_command *command)
+{
+	const struct mavlink_endpoint *const endpoint = context->endpoint;
+
+	if (!command->to_all || is_known(context->component, command)) {
+		return true;
+	}
+	for (uint8_t i = 0; i < endpoint->component_count; i++) {
+		if (is_known(&endpoint->components[i], command)) {
+			return false;
+		}
+	}
+	return context->component == &endpoint->components[0];
+}
+
 static uint8_t run(const struct mavlink_context *context, const struct mavlink_command *command,
                    struct mavlink_reply *reply)
 {
-	const struct mavlink_profile *const profile = context->component->profile;
+	const struct mavlink_command_row *const row = row_of(context->component, command->id);
 
-	for (uint8_t i = 0; i < profile->command_count; i++) {
-		if (profile->commands[i].id == command->id) {
-			return profile->commands[i].run(context, command, reply);
-		}
-	}
-	return MAV_RESULT_UNSUPPORTED;
+	return row == NULL ? MAV_RESULT_UNSUPPORTED : row->run(context, command, reply);
 }
 
 /* State first, then the acknowledgement, then what was asked for. */
@@ -161,6 +201,9 @@ static void carry_out(const struct mavlink_context *context, const struct mavlin
 {
 	struct mavlink_reply reply;
 
+	if (!is_to_answer(context, command)) {
+		return;
+	}
 	reply.row = NULL;
 	context->endpoint->links[context->link].stats.rx_commands++;
 	context->out->command = command->id;
@@ -183,6 +226,7 @@ void mavlink_command_long(const struct mavlink_context *context, const struct ma
 
 	const struct mavlink_command command = {
 		.id = wire.command,
+		.to_all = wire.target_component == 0,
 		.param = {wire.param1, wire.param2, wire.param3, wire.param4, wire.param5,
 	                  wire.param6, wire.param7},
 	};
@@ -198,6 +242,7 @@ void mavlink_command_int(const struct mavlink_context *context, const struct mav
 
 	const struct mavlink_command command = {
 		.id = wire.command,
+		.to_all = wire.target_component == 0,
 		.param = {wire.param1, wire.param2, wire.param3, wire.param4, (float)wire.x,
 	                  (float)wire.y, wire.z},
 	};

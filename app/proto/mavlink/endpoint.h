@@ -57,6 +57,7 @@ struct mavlink_context {
 struct mavlink_command {
 	float param[7];
 	uint16_t id;
+	bool to_all; /* to no component in particular */
 };
 
 union mavlink_payload {

@@ -179,11 +179,9 @@ static uint8_t configure(const struct mavlink_context *context,
 }
 
 static const struct mavlink_command_row commands[] = {
+	MAVLINK_COMMON_COMMANDS,
 	{.id = MAV_CMD_ILLUMINATOR_ON_OFF, .run = on_off},
 	{.id = MAV_CMD_DO_ILLUMINATOR_CONFIGURE, .run = configure},
-	{.id = MAV_CMD_REQUEST_MESSAGE, .run = mavlink_request_message},
-	{.id = MAV_CMD_SET_MESSAGE_INTERVAL, .run = mavlink_set_message_interval},
-	{.id = MAV_CMD_GET_MESSAGE_INTERVAL, .run = mavlink_get_message_interval},
 };
 
 /* --- messages -------------------------------------------------------------------------------- */
@@ -256,10 +254,7 @@ static void file_transfer(const struct mavlink_context *context, const struct ma
 #endif
 
 static const struct mavlink_message_row messages[] = {
-	{.kind = MAVLINK_KIND(HEARTBEAT),
-         .interval_us = STREAM_INTERVAL_US,
-         .flags = MAVLINK_MESSAGE_FIXED,
-         .fill = mavlink_fill_heartbeat},
+	MAVLINK_HEARTBEAT(STREAM_INTERVAL_US),
 	{.kind = MAVLINK_KIND(ILLUMINATOR_STATUS),
          .interval_us = STREAM_INTERVAL_US,
          .flags = MAVLINK_MESSAGE_ON_CHANGE,
@@ -270,18 +265,12 @@ static const struct mavlink_message_row messages[] = {
 	{.kind = MAVLINK_KIND(AUTOPILOT_VERSION),
          .interval_us = MAVLINK_INTERVAL_OFF,
          .fill = fill_version},
-	{.kind = MAVLINK_KIND(MESSAGE_INTERVAL),
-         .interval_us = MAVLINK_INTERVAL_OFF,
-         .flags = MAVLINK_MESSAGE_FIXED,
-         .fill = mavlink_fill_message_interval},
-	{.kind = MAVLINK_KIND(PROTOCOL_VERSION),
-         .interval_us = MAVLINK_INTERVAL_OFF,
-         .fill = mavlink_fill_protocol_version},
 #ifdef CONFIG_PHAROS_FTP
 	{.kind = MAVLINK_KIND(COMPONENT_METADATA),
          .interval_us = MAVLINK_INTERVAL_OFF,
          .fill = fill_metadata},
 #endif
+	MAVLINK_COMMON_MESSAGES,
 };
 
 /* --- what others did and who is there ----------------------------------------------------------
@@ -400,14 +389,7 @@ static void param_set(const struct mavlink_context *context, const struct mavlin
 }
 
 static const struct mavlink_receiver_row receivers[] = {
-	{.id = MAVLINK_MSG_ID_COMMAND_LONG,
-         .target_system_offset = offsetof(mavlink_command_long_t, target_system),
-         .target_component_offset = offsetof(mavlink_command_long_t, target_component),
-         .receive = mavlink_command_long},
-	{.id = MAVLINK_MSG_ID_COMMAND_INT,
-         .target_system_offset = offsetof(mavlink_command_int_t, target_system),
-         .target_component_offset = offsetof(mavlink_command_int_t, target_component),
-         .receive = mavlink_command_int},
+	MAVLINK_COMMON_RECEIVERS,
 	{.id = MAVLINK_MSG_ID_HEARTBEAT,
          .target_system_offset = MAVLINK_NO_TARGET,
          .target_component_offset = MAVLINK_NO_TARGET,

@@ -113,6 +113,9 @@ bool mavlink_texts_step(struct mavlink_context *context);
  */
 uint8_t mavlink_fill_heartbeat(const struct mavlink_context *context, float argument,
                                void *payload);
+/* Up to size - 1 bytes and a 0; the field is zero already. */
+void mavlink_copy_text(char *field, size_t size, const char *text);
+
 uint8_t mavlink_fill_protocol_version(const struct mavlink_context *context, float argument,
                                       void *payload);
 uint8_t mavlink_fill_message_interval(const struct mavlink_context *context, float argument,
@@ -126,6 +129,54 @@ void mavlink_ping(const struct mavlink_context *context, const struct mavlink_fr
 #define MAVLINK_TIMESYNC_TARGET_SYSTEM    16
 #define MAVLINK_TIMESYNC_TARGET_COMPONENT 17
 void mavlink_timesync(const struct mavlink_context *context, const struct mavlink_frame *frame);
+
+/* Between -most and most; NaN is not. */
+static inline bool mavlink_is_within(float value, float most)
+{
+	return value >= -most && value <= most;
+}
+
+/* To the nearest; the value is known to fit. */
+static inline int32_t mavlink_rounded(float value)
+{
+	return (int32_t)(value + (value < 0.0f ? -0.5f : 0.5f));
+}
+
+/* Rows that every component has in its tables; with them goes "proto/mavlink/dialect.h". */
+#define MAVLINK_COMMON_COMMANDS                                                                    \
+	{.id = MAV_CMD_REQUEST_MESSAGE, .run = mavlink_request_message},                           \
+		{.id = MAV_CMD_SET_MESSAGE_INTERVAL, .run = mavlink_set_message_interval},         \
+	{                                                                                          \
+		.id = MAV_CMD_GET_MESSAGE_INTERVAL, .run = mavlink_get_message_interval            \
+	}
+
+#define MAVLINK_HEARTBEAT(period_us)                                                               \
+	{                                                                                          \
+		.kind = MAVLINK_KIND(HEARTBEAT), .interval_us = (period_us),                       \
+		.flags = MAVLINK_MESSAGE_FIXED, .fill = mavlink_fill_heartbeat                     \
+	}
+
+#define MAVLINK_COMMON_MESSAGES                                                                    \
+	{.kind = MAVLINK_KIND(MESSAGE_INTERVAL),                                                   \
+	 .interval_us = MAVLINK_INTERVAL_OFF,                                                      \
+	 .flags = MAVLINK_MESSAGE_FIXED,                                                           \
+	 .fill = mavlink_fill_message_interval},                                                   \
+	{                                                                                          \
+		.kind = MAVLINK_KIND(PROTOCOL_VERSION), .interval_us = MAVLINK_INTERVAL_OFF,       \
+		.fill = mavlink_fill_protocol_version                                              \
+	}
+
+#define MAVLINK_COMMON_RECEIVERS                                                                   \
+	{.id = MAVLINK_MSG_ID_COMMAND_LONG,                                                        \
+	 .target_system_offset = offsetof(mavlink_command_long_t, target_system),                  \
+	 .target_component_offset = offsetof(mavlink_command_long_t, target_component),            \
+	 .receive = mavlink_command_long},                                                         \
+	{                                                                                          \
+		.id = MAVLINK_MSG_ID_COMMAND_INT,                                                  \
+		.target_system_offset = offsetof(mavlink_command_int_t, target_system),            \
+		.target_component_offset = offsetof(mavlink_command_int_t, target_component),      \
+		.receive = mavlink_command_int                                                     \
+	}
 
 /* The whole number in a float of the wire. false: NaN, infinite, not whole, or out of 0…max. */
 bool mavlink_whole(float wire, uint32_t max, uint32_t *whole);

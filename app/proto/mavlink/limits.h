@@ -28,8 +28,12 @@
 #else
 #define MAVLINK_LINKS_MAX CONFIG_PHAROS_UART_LINKS
 #endif
+#ifdef CONFIG_PHAROS_GIMBAL
 #define MAVLINK_COMPONENTS_MAX 2
-#define MAVLINK_MESSAGES_MAX   12
+#else
+#define MAVLINK_COMPONENTS_MAX 1
+#endif
+#define MAVLINK_MESSAGES_MAX 12
 
 /* Frames that one received frame may cause: per component an answer and a message on each link. */
 #define MAVLINK_ACK_FRAME_MAX (MAVLINK_V2_FRAME_MIN + 10 + MAVLINK_SIGNATURE_BYTES)
@@ -57,6 +61,14 @@
 #define MAVLINK_TEXT_PERIOD_US 2000000
 #define MAVLINK_NOTICE_KINDS   6
 #define MAVLINK_NOTICE_GAP_US  10000000
+
+/* Gimbal: how often the vehicle is asked for what does not come, when a datum counts as lost and
+ * when the vehicle does, and how often the data are wanted. */
+#define MAVLINK_GIMBAL_ASK_US          1000000
+#define MAVLINK_GIMBAL_DATA_LOST_US    2000000
+#define MAVLINK_GIMBAL_VEHICLE_LOST_US 5000000
+#define MAVLINK_GIMBAL_ATTITUDE_HZ     20
+#define MAVLINK_GIMBAL_POSITION_HZ     2
 
 /* Signing: senders that are followed at once, and how often the timestamp is stored. */
 #define MAVLINK_SIGNING_STREAMS_MAX 16

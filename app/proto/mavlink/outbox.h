@@ -52,4 +52,11 @@ static inline bool mavlink_outbox_has_room(const struct mavlink_outbox *self)
 	       self->used + MAVLINK_FRAME_MAX <= MAVLINK_OUTBOX_BYTES;
 }
 
+/* Do so many? */
+static inline bool mavlink_outbox_has_frames(const struct mavlink_outbox *self, uint32_t count)
+{
+	return self->count + count <= MAVLINK_OUTBOX_FRAMES &&
+	       self->used + count * MAVLINK_FRAME_MAX <= MAVLINK_OUTBOX_BYTES;
+}
+
 #endif

@@ -55,8 +55,7 @@ uint8_t mavlink_fill_message_interval(const struct mavlink_context *context, flo
 	return MAV_RESULT_ACCEPTED;
 }
 
-/* Up to size - 1 bytes and a 0; the field is zero already. */
-static void copy_text(char *field, size_t size, const char *text)
+void mavlink_copy_text(char *field, size_t size, const char *text)
 {
 	for (size_t i = 0; i + 1 < size && text[i] != '\0'; i++) {
 		field[i] = text[i];
@@ -76,13 +75,14 @@ void mavlink_fill_identity(const struct mavlink_context *context,
 	basic->capabilities = capabilities(context);
 	basic->time_boot_ms = (uint32_t)(context->now_us / US_PER_MS);
 	basic->time_manufacture_s = identity->time_manufacture_s;
-	copy_text(basic->vendor_name, sizeof(basic->vendor_name), identity->vendor_name);
-	copy_text(basic->model_name, sizeof(basic->model_name), identity->model_name);
-	copy_text(basic->software_version, sizeof(basic->software_version),
-	          identity->software_version);
-	copy_text(basic->hardware_version, sizeof(basic->hardware_version),
-	          identity->hardware_version);
-	copy_text(basic->serial_number, sizeof(basic->serial_number), identity->serial_number);
+	mavlink_copy_text(basic->vendor_name, sizeof(basic->vendor_name), identity->vendor_name);
+	mavlink_copy_text(basic->model_name, sizeof(basic->model_name), identity->model_name);
+	mavlink_copy_text(basic->software_version, sizeof(basic->software_version),
+	                  identity->software_version);
+	mavlink_copy_text(basic->hardware_version, sizeof(basic->hardware_version),
+	                  identity->hardware_version);
+	mavlink_copy_text(basic->serial_number, sizeof(basic->serial_number),
+	                  identity->serial_number);
 }
 
 void mavlink_fill_version(const struct mavlink_context *context,

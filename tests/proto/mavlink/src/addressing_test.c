@@ -125,7 +125,7 @@ ZTEST(mavlink_addressing, test_what_is_no_frame_is_counted)
 	zassert_equal(endpoint.links[0].stats.rx_malformed, 2);
 }
 
-/* Another component of the same device: a gimbal that knows no command. */
+/* Another component of the same device, which knows no command. */
 static uint8_t active(const void *unused)
 {
 	(void)unused;
@@ -135,7 +135,6 @@ static uint8_t active(const void *unused)
 ZTEST(mavlink_addressing, test_two_components_answer_for_themselves)
 {
 	struct mavlink_profile gimbal = mavlink_illuminator_profile;
-	mavlink_command_ack_t ack;
 
 	gimbal.type = 26; /* MAV_TYPE_GIMBAL */
 	gimbal.command_count = 0;
@@ -149,17 +148,39 @@ ZTEST(mavlink_addressing, test_two_components_answer_for_themselves)
 	zassert_equal(sent(0).component_id, 154);
 	zassert_false(light.settings.enable);
 
+	receive_long(0, 1, 154, 31999, (struct command_params){{1}});
+	zassert_equal(sent(0).sequence, 1); /* a sequence of its own */
+}
+
+/* A command to all has one answer of each component that knows it, and no other. */
+ZTEST(mavlink_addressing, test_command_to_all_is_for_those_that_know_it)
+{
+	struct mavlink_profile gimbal = mavlink_illuminator_profile;
+	mavlink_command_ack_t ack;
+
+	gimbal.message_count = 1; /* HEARTBEAT */
+	gimbal.command_count = 3; /* those about messages */
+	gimbal.observe = NULL;
+	mavlink_endpoint_add(&endpoint, now_us, 154, &gimbal, &service);
+
 	receive_long(0, 0, 0, 405, (struct command_params){{1}});
-	zassert_equal(out.count, 2);
-	zassert_equal(sent(0).component_id, 243);
-	zassert_equal(sent(1).component_id, 154);
-	zassert_equal(sent(1).sequence, 1); /* a sequence of its own */
-
-	const struct mavlink_frame second = sent(1);
-
-	mavlink_frame_payload(&second, &ack, sizeof(ack));
-	zassert_equal(ack.result, MAV_RESULT_UNSUPPORTED);
+	zassert_equal(out.count, 1);
+	sent_payload(0, 77, &ack, sizeof(ack));
+	zassert_equal(ack.result, MAV_RESULT_ACCEPTED);
 	zassert_true(light.settings.enable);
+	receive_long(0, 0, 0, 512, (struct command_params){{440}});
+	zassert_equal(out.count, 2, "an answer and the message");
+	receive_long(0, 0, 0, 512, (struct command_params){{0}});
+	zassert_equal(out.count, 4, "both have a heartbeat");
+	zassert_equal(sent(2).component_id, 154);
+	receive_long(0, 0, 0, 31999, (struct command_params){{0}});
+	zassert_equal(out.count, 1);
+	sent_payload(0, 77, &ack, sizeof(ack));
+	zassert_equal(ack.result, MAV_RESULT_UNSUPPORTED);
+	receive_long(0, 0, 0, 512, (struct command_params){{31999}});
+	zassert_equal(out.count, 1);
+	sent_payload(0, 77, &ack, sizeof(ack));
+	zassert_equal(ack.result, MAV_RESULT_DENIED);
 }
 
 ZTEST(mavlink_addressing, test_ping_to_all_is_answered_to_the_asker)

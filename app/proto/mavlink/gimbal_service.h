@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The gimbal as a MAVLink component: a gimbal device of protocol v2 (messages 283 to 286), which
+ * also takes the mount commands before it (204, 205).
+ *
+ * 284 has an angle (its quaternion) or rates (quaternion NaN); of both, the angle counts. Retract
+ * goes before neutral, and both before the rest. An axis without either holds. The pitch lock bit
+ * makes pitch count from the horizon, the yaw lock bit holds yaw against north; YAW_IN_…_FRAME say
+ * what the yaw given counts from, and without them the lock bit does. What is beyond the limits is
+ * approached to the limit and told in failure_flags. Refused and counted: numbers that are no
+ * quaternion, infinite or absurd rates, both frames at once, a heading that is needed and not
+ * known.
+ *
+ * 205 has degrees, in mode 2, with the signs that GMB_MNT_SIGN says; 204 before it may make them
+ * rates, or count from horizon and north. There is no roll axis: roll is taken and is 0.
+ *
+ * The vehicle's attitude comes with 286 or ATTITUDE, its position with GLOBAL_POSITION_INT. While
+ * the vehicle is there and one of them does not come, it is asked for it every second.
+ *
+ * Context: the endpoint's. Spec: mavlink.io services gimbal_v2, gimbal_v1; common.xml.
+ */
+#ifndef PHAROS_PROTO_MAVLINK_GIMBAL_SERVICE_H
+#define PHAROS_PROTO_MAVLINK_GIMBAL_SERVICE_H
+
+#include "core/arbiter.h"
+#include "core/gimbal.h"
+#include "core/params.h"
+#include "proto/mavlink/endpoint.h"
+#include "proto/mavlink/identity.h"
+
+/* What the vehicle is asked for. */
+enum mavlink_gimbal_datum {
+	MAVLINK_GIMBAL_ATTITUDE,
+	MAVLINK_GIMBAL_POSITION,
+	MAVLINK_GIMBAL_DATA
+};
+
+struct mavlink_gimbal_stats {
+	uint32_t set;      /* 284 that were carried out */
+	uint32_t bad;      /* messages with numbers of no meaning */
+	uint32_t refused;  /* 284 that the arbiter refused */
+	uint32_t requests; /* for data */
+};
+
+/* What 204 said about an axis. */
+struct mavlink_mount_input {
+	bool is_rate;
+	bool is_locked;
+};
+
+struct mavlink_gimbal {
+	struct gimbal *gimbal;
+	struct arbiter *arbiter;
+	const struct params *params;
+	const struct mavlink_identity *identity;
+	struct mavlink_mount_input mount[GIMBAL_AXES];
+	struct mavlink_gimbal_stats stats;
+	int64_t heard_us[MAVLINK_GIMBAL_DATA]; /* -1: never */
+	int64_t vehicle_us;                    /* of its last heartbeat; -1: never */
+	int64_t ask_us;                        /* when to look for what is missing */
+	uint8_t vehicle_link;
+	uint8_t vehicle_system;
+};
+
+extern const struct mavlink_profile mavlink_gimbal_profile;
+
+/* All outlive the service. */
+void mavlink_gimbal_init(struct mavlink_gimbal *self, struct gimbal *gimbal,
+                         struct arbiter *arbiter, const struct params *params,
+                         const struct mavlink_identity *identity);
+
+#endif

@@ -1,0 +1,184 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "proto/mavlink/gimbal_vehicle.h"
+
+#include "proto/mavlink/dialect.h"
+#include "proto/mavlink/gimbal_service.h"
+#include "proto/mavlink/internal.h"
+#include "proto/mavlink/quaternion.h"
+
+#include <string.h>
+
+#define MDEG_PER_RAD  57295.78f
+/* No vehicle counts its angles beyond two turns. */
+#define ANGLE_MAX_RAD 12.6f
+
+_Static_assert(MAVLINK_OUTBOX_FRAMES >= 2 * MAVLINK_GIMBAL_DATA, "all requests fit at once");
+
+static bool is_from_vehicle(const struct mavlink_context *context)
+{
+	return context->source_system == context->endpoint->config.system_id &&
+	       context->source_component == MAV_COMP_ID_AUTOPILOT1;
+}
+
+static void take_attitude(const struct mavlink_context *context, const struct attitude *attitude)
+{
+	struct mavlink_gimbal *const self = context->component->service;
+	const struct gimbal_event event = {.kind = GIMBAL_EVENT_ATTITUDE, .attitude = *attitude};
+
+	self->heard_us[MAVLINK_GIMBAL_ATTITUDE] = context->now_us;
+	(void)gimbal_step(self->gimbal, context->now_us, &event);
+}
+
+void mavlink_gimbal_autopilot_state(const struct mavlink_context *context,
+                                    const struct mavlink_frame *frame)
+{
+	struct mavlink_gimbal *const self = context->component->service;
+	mavlink_autopilot_state_for_gimbal_device_t wire;
+	float q[4];
+
+	if (!is_from_vehicle(context)) {
+		return;
+	}
+	mavlink_frame_payload(frame, &wire, sizeof(wire));
+	memcpy(q, wire.q, sizeof(q));
+	if (!quaternion_is_unit(q)) {
+		self->stats.bad++;
+		return;
+	}
+
+	const struct attitude attitude = quaternion_attitude(q);
+
+	take_attitude(context, &attitude);
+}
+
+void mavlink_gimbal_vehicle_attitude(const struct mavlink_context *context,
+                                     const struct mavlink_frame *frame)
+{
+	struct mavlink_gimbal *const self = context->component->service;
+	mavlink_attitude_t wire;
+
+	if (!is_from_vehicle(context)) {
+		return;
+	}
+	mavlink_frame_payload(frame, &wire, sizeof(wire));
+	if (!mavlink_is_within(wire.roll, ANGLE_MAX_RAD) ||
+	    !mavlink_is_within(wire.pitch, ANGLE_MAX_RAD) ||
+	    !mavlink_is_within(wire.yaw, ANGLE_MAX_RAD)) {
+		self->stats.bad++;
+		return;
+	}
+
+	const struct attitude attitude = {
+		.roll_mdeg = mavlink_rounded(wire.roll * MDEG_PER_RAD),
+		.pitch_mdeg = mavlink_rounded(wire.pitch * MDEG_PER_RAD),
+		.yaw_mdeg = mavlink_rounded(wire.yaw * MDEG_PER_RAD),
+	};
+
+	take_attitude(context, &attitude);
+}
+
+void mavlink_gimbal_vehicle_position(const struct mavlink_context *context,
+                                     const struct mavlink_frame *frame)
+{
+	struct mavlink_gimbal *const self = context->component->service;
+
+	(void)frame;
+	if (is_from_vehicle(context)) {
+		self->heard_us[MAVLINK_GIMBAL_POSITION] = context->now_us;
+	}
+}
+
+void mavlink_gimbal_heartbeat(const struct mavlink_context *context,
+                              const struct mavlink_frame *frame)
+{
+	struct mavlink_gimbal *const self = context->component->service;
+	mavlink_heartbeat_t wire;
+
+	mavlink_frame_payload(frame, &wire, sizeof(wire));
+
+	const struct mavlink_vehicle_heartbeat said = {
+		.system = frame->system_id,
+		.component = frame->component_id,
+		.type = wire.type,
+		.autopilot = wire.autopilot,
+	};
+
+	if (!is_from_vehicle(context) || !mavlink_vehicle_is_autopilot(&said)) {
+		return;
+	}
+	self->vehicle_us = context->now_us;
+	self->vehicle_link = context->link;
+	self->vehicle_system = frame->system_id;
+	if (self->ask_us == TIME_NEVER_US) {
+		self->ask_us = context->now_us;
+	}
+}
+
+/* In both ways: ArduPilot has long known the first, PX4 knows the second. */
+static void ask_for(const struct mavlink_context *context, uint8_t stream, uint16_t message_id,
+                    uint16_t rate_hz)
+{
+	static const struct mavlink_kind stream_kind = MAVLINK_KIND(REQUEST_DATA_STREAM);
+	static const struct mavlink_kind command_kind = MAVLINK_KIND(COMMAND_LONG);
+	struct mavlink_gimbal *const self = context->component->service;
+	const mavlink_request_data_stream_t request = {
+		.req_message_rate = rate_hz,
+		.target_system = self->vehicle_system,
+		.target_component = MAV_COMP_ID_AUTOPILOT1,
+		.req_stream_id = stream,
+		.start_stop = 1,
+	};
+	const mavlink_command_long_t command = {
+		.param1 = (float)message_id,
+		.param2 = (float)US_PER_S / (float)rate_hz,
+		.command = MAV_CMD_SET_MESSAGE_INTERVAL,
+		.target_system = self->vehicle_system,
+		.target_component = MAV_COMP_ID_AUTOPILOT1,
+	};
+
+	self->stats.requests++;
+	(void)mavlink_send(context, self->vehicle_link, &stream_kind, &request);
+	(void)mavlink_send(context, self->vehicle_link, &command_kind, &command);
+}
+
+static bool is_missing(const struct mavlink_gimbal *self, int64_t now_us,
+                       enum mavlink_gimbal_datum datum)
+{
+	const int64_t heard_us = self->heard_us[datum];
+
+	return heard_us < 0 || now_us - heard_us >= MAVLINK_GIMBAL_DATA_LOST_US;
+}
+
+bool mavlink_gimbal_ask(const struct mavlink_context *context)
+{
+	struct mavlink_gimbal *const self = context->component->service;
+	const int64_t now_us = context->now_us;
+
+	if (now_us < self->ask_us) {
+		return true;
+	}
+	if (self->params->values[PARAM_GMB_ASK_DATA] == 0 ||
+	    self->vehicle_system != context->endpoint->config.system_id ||
+	    now_us - self->vehicle_us >= MAVLINK_GIMBAL_VEHICLE_LOST_US) {
+		self->ask_us = TIME_NEVER_US; /* until its next heartbeat */
+		return true;
+	}
+	if (!mavlink_outbox_has_frames(context->out, 2 * MAVLINK_GIMBAL_DATA)) {
+		return false;
+	}
+	if (is_missing(self, now_us, MAVLINK_GIMBAL_ATTITUDE)) {
+		ask_for(context, MAV_DATA_STREAM_EXTRA1, MAVLINK_MSG_ID_ATTITUDE,
+		        MAVLINK_GIMBAL_ATTITUDE_HZ);
+	}
+	if (is_missing(self, now_us, MAVLINK_GIMBAL_POSITION)) {
+		ask_for(context, MAV_DATA_STREAM_POSITION, MAVLINK_MSG_ID_GLOBAL_POSITION_INT,
+		        MAVLINK_GIMBAL_POSITION_HZ);
+	}
+	self->ask_us = now_us + MAVLINK_GIMBAL_ASK_US;
+	return true;
+}
+
+int64_t mavlink_gimbal_ask_us(const void *service)
+{
+	return ((const struct mavlink_gimbal *)service)->ask_us;
+}

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What the gimbal component hears of its vehicle, and asks it for. The vehicle is the autopilot
+ * (component 1) of the device's own system id, whichever way that was found.
+ *
+ * While its heartbeats come, and GMB_ASK_DATA is set, a datum that has not come for
+ * MAVLINK_GIMBAL_DATA_LOST_US is asked for every MAVLINK_GIMBAL_ASK_US.
+ *
+ * Context: the endpoint's, with a struct mavlink_gimbal as the component's service.
+ */
+#ifndef PHAROS_PROTO_MAVLINK_GIMBAL_VEHICLE_H
+#define PHAROS_PROTO_MAVLINK_GIMBAL_VEHICLE_H
+
+#include "proto/mavlink/endpoint.h"
+
+/* Receivers of HEARTBEAT, 286, ATTITUDE and GLOBAL_POSITION_INT. */
+void mavlink_gimbal_heartbeat(const struct mavlink_context *context,
+                              const struct mavlink_frame *frame);
+void mavlink_gimbal_autopilot_state(const struct mavlink_context *context,
+                                    const struct mavlink_frame *frame);
+void mavlink_gimbal_vehicle_attitude(const struct mavlink_context *context,
+                                     const struct mavlink_frame *frame);
+void mavlink_gimbal_vehicle_position(const struct mavlink_context *context,
+                                     const struct mavlink_frame *frame);
+
+/* The profile's step and deadline_us. */
+bool mavlink_gimbal_ask(const struct mavlink_context *context);
+int64_t mavlink_gimbal_ask_us(const void *service);
+
+#endif

@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the gimbal hears of its vehicle, and asks it for. */
+#include "gimbal_fixture.h"
+
+ZTEST_SUITE(mavlink_gimbal_vehicle, NULL, NULL, gimbal_fixture_before, NULL, NULL);
+
+ZTEST(mavlink_gimbal_vehicle, test_autopilot_state_gives_the_attitude)
+{
+	static const struct mavlink_kind kind = MAVLINK_KIND(AUTOPILOT_STATE_FOR_GIMBAL_DEVICE);
+	mavlink_autopilot_state_for_gimbal_device_t state = {.target_system = 1,
+	                                                     .target_component = 154};
+
+	/* yaw 90, roll 45: (H, 0, 0, H)(C, S, 0, 0) */
+	memcpy(state.q, (const float[4]){H * C, H * S, H * S, H * C}, sizeof(state.q));
+	say(1, 1, &kind, &state);
+	zassert_within(gimbal.attitude.roll_mdeg, 45000, 2);
+	zassert_within(gimbal.attitude.pitch_mdeg, 0, 2);
+	zassert_within(gimbal.attitude.yaw_mdeg, 90000, 2);
+	state.q[0] = NAN;
+	say(1, 1, &kind, &state);
+	zassert_equal(its.stats.bad, 1);
+	zassert_within(gimbal.attitude.roll_mdeg, 45000, 2);
+}
+
+ZTEST(mavlink_gimbal_vehicle, test_attitude_of_others_is_not_the_vehicles)
+{
+	static const struct mavlink_kind kind = MAVLINK_KIND(ATTITUDE);
+	mavlink_attitude_t attitude = {.yaw = 1};
+
+	say(2, 1, &kind, &attitude);   /* another vehicle */
+	say(1, 190, &kind, &attitude); /* another component */
+	zassert_equal(gimbal.attitude_us, -1);
+	attitude.yaw = NAN;
+	say(1, 1, &kind, &attitude);
+	attitude.yaw = 1e9f;
+	say(1, 1, &kind, &attitude);
+	zassert_equal(gimbal.attitude_us, -1);
+	zassert_equal(its.stats.bad, 2);
+}
+
+struct requests {
+	uint32_t streams[2]; /* EXTRA1, POSITION */
+	uint32_t intervals[2];
+	uint32_t wrong;
+};
+
+static void count_request(struct requests *requests, uint16_t i)
+{
+	const struct mavlink_frame frame = sent(i);
+	mavlink_request_data_stream_t stream;
+	mavlink_command_long_t interval;
+
+	if (frame.message_id == 66) { /* REQUEST_DATA_STREAM */
+		mavlink_frame_payload(&frame, &stream, sizeof(stream));
+		requests->streams[0] += stream.req_stream_id == 10 && stream.start_stop == 1;
+		requests->streams[1] += stream.req_stream_id == 6 && stream.start_stop == 1;
+		requests->wrong += stream.target_system != 1 || stream.target_component != 1;
+	} else if (frame.message_id == 76) { /* COMMAND_LONG */
+		mavlink_frame_payload(&frame, &interval, sizeof(interval));
+		requests->intervals[0] += interval.param1 == 30 && interval.param2 == 50000;
+		requests->intervals[1] += interval.param1 == 33 && interval.param2 == 500000;
+		requests->wrong += interval.target_system != 1 || interval.command != 511;
+	} else {
+		return;
+	}
+	requests->wrong += out.frames[i].link != 1 || frame.component_id != 154;
+}
+
+/* The vehicle's heartbeat each second; every other requests its data when it says so. */
+static struct requests fly(int64_t duration_us, bool attitude, bool position)
+{
+	static const struct mavlink_kind kind = MAVLINK_KIND(GLOBAL_POSITION_INT);
+	static const mavlink_global_position_int_t where = {.lat = 1, .lon = 1};
+	const int64_t until_us = now_us + duration_us;
+	struct requests requests = {0};
+
+	for (int64_t beat_us = now_us; beat_us < until_us; beat_us += SECOND) {
+		vehicle_beats();
+		if (attitude) {
+			vehicle_attitude(0, 0, 0);
+		}
+		if (position) {
+			say(1, 1, &kind, &where);
+		}
+		while (mavlink_endpoint_deadline_us(&endpoint) < beat_us + SECOND) {
+			const int64_t due_us = mavlink_endpoint_deadline_us(&endpoint);
+
+			now_us = due_us > now_us ? due_us : now_us;
+			mavlink_endpoint_step(&endpoint, now_us, &out);
+			for (uint16_t i = 0; i < out.count; i++) {
+				count_request(&requests, i);
+			}
+		}
+		now_us = beat_us + SECOND;
+	}
+	return requests;
+}
+
+ZTEST(mavlink_gimbal_vehicle, test_data_are_asked_for_until_they_come_and_again_when_they_stop)
+{
+	struct requests requests = fly(10 * SECOND, false, false);
+
+	zassert_equal(requests.streams[0], 10);
+	zassert_equal(requests.streams[1], 10);
+	zassert_equal(requests.intervals[0], 10);
+	zassert_equal(requests.intervals[1], 10);
+	zassert_equal(requests.wrong, 0);
+	requests = fly(10 * SECOND, true, false);
+	zassert_equal(requests.streams[0], 0, "attitude comes");
+	zassert_equal(requests.streams[1], 10);
+	requests = fly(10 * SECOND, true, true);
+	zassert_equal(requests.streams[1], 0);
+	requests = fly(10 * SECOND, false, false);
+	zassert_within(requests.streams[0], 9, 1, "after 2 s of silence");
+	zassert_within(requests.intervals[1], 9, 1);
+}
+
+ZTEST(mavlink_gimbal_vehicle, test_nobody_is_asked_without_a_vehicle_or_when_told_not_to)
+{
+	(void)idle(10 * SECOND);
+	zassert_equal(its.stats.requests, 0);
+	params.values[PARAM_GMB_ASK_DATA] = 0;
+	(void)fly(5 * SECOND, false, false);
+	zassert_equal(its.stats.requests, 0);
+	params.values[PARAM_GMB_ASK_DATA] = 1;
+	(void)fly(SECOND, false, false);
+	zassert_true(its.stats.requests > 0);
+	const uint32_t asked_so_far = its.stats.requests;
+
+	(void)idle(60 * SECOND); /* the vehicle has gone */
+	zassert_true(its.stats.requests <= asked_so_far + 10);
+}
+
+ZTEST(mavlink_gimbal_vehicle, test_another_vehicle_is_not_asked)
+{
+	static const struct mavlink_kind kind = MAVLINK_KIND(HEARTBEAT);
+	mavlink_heartbeat_t heartbeat = {.type = 2, .autopilot = 3};
+
+	say(2, 1, &kind, &heartbeat);
+	heartbeat = (mavlink_heartbeat_t){.type = 6, .autopilot = 8};
+	say(255, 190, &kind, &heartbeat);
+	(void)idle(5 * SECOND);
+	zassert_equal(its.stats.requests, 0);
+}
