@@ -2,15 +2,18 @@
 /*
  * Measures whatever answers MAVLink 2 frames over loopback UDP.
  *
- *   bench_client latency FROM TO ANSWER COUNT FRAME      one at a time; prints p50 and p99 in ns
- *   bench_client rate FROM TO ANSWER COUNT FRAME WINDOW  WINDOW in flight; prints answers per
- * second
+ *   bench_client latency FROM TO ANSWER COUNT FRAME 1 [KEY TIMESTAMP]
+ *           one at a time; prints p50 and p99 in ns
+ *   bench_client rate FROM TO ANSWER COUNT FRAME WINDOW [KEY TIMESTAMP]
+ *           WINDOW in flight; prints answers per second
  *
  * FROM, TO: the client's port and the server's. The same FROM each time is the same peer to a
  * server that remembers its peers. FRAME: the command, as hex. ANSWER: the message id that counts
  * as an answer (an echo: the command's own). Other messages (heartbeats, streams) are skipped. A
- * datagram may hold several frames. An answer that stays away for ANSWER_TIMEOUT_MS is counted as
- * lost, printed last, and what is in flight is sent anew.
+ * datagram may hold several frames. KEY, as hex: FRAME is a signed one, and each that is sent has
+ * a timestamp of its own from TIMESTAMP on; they are signed before the measurement. An answer that
+ * stays away for ANSWER_TIMEOUT_MS is counted as lost, printed last, and what is in flight is sent
+ * anew.
  */
 #include <arpa/inet.h>
 #include <errno.h>
@@ -25,6 +28,10 @@
 #include <sys/types.h>
 #include <time.h>
 
+/* Of the generated MAVLink library, as functions of this file. */
+#define MAVLINK_HELPER static inline
+#include <mavlink_sha256.h>
+
 enum {
 	FRAME_MAX = 280,
 	DATAGRAM_MAX = 2048,
@@ -32,7 +39,12 @@ enum {
 	COUNT_MAX = 10000000,
 	ANSWER_TIMEOUT_MS = 500,
 	MAVLINK2_MAGIC = 0xFD,
-	MAVLINK2_OVERHEAD = 12, /* header and checksum; nothing here is signed */
+	MAVLINK2_OVERHEAD = 12, /* header and checksum */
+	MAVLINK2_SIGNED = 1,
+	SIGNATURE_BYTES = 13, /* link id, timestamp, hash */
+	TIMESTAMP_BYTES = 6,
+	HASH_BYTES = 6,
+	KEY_BYTES = 32,
 };
 
 struct client {
@@ -40,6 +52,9 @@ struct client {
 	uint32_t answer_id;
 	uint8_t frame[FRAME_MAX];
 	size_t frame_length;
+	uint8_t *frames; /* to be sent in turn; NULL: always the one */
+	size_t frame_count;
+	size_t sent;
 	unsigned long lost;
 };
 
@@ -64,13 +79,52 @@ static size_t parse_hex(const char *text, uint8_t *bytes, size_t size)
 	return length;
 }
 
+/* Copies of the frame, each with the next timestamp, signed. */
+static void sign_frames(struct client *self, size_t count, const char *key_text, uint64_t timestamp)
+{
+	const size_t hashed = self->frame_length - HASH_BYTES;
+	uint8_t key[KEY_BYTES];
+
+	self->frames = malloc(count * self->frame_length);
+	if (self->frames == NULL || parse_hex(key_text, key, sizeof(key)) != sizeof(key)) {
+		(void)fprintf(stderr, "bench_client: no memory, or KEY is not 32 bytes\n");
+		exit(EXIT_FAILURE);
+	}
+	self->frame_count = count;
+	for (size_t i = 0; i < count; i++, timestamp++) {
+		uint8_t *const frame = self->frames + i * self->frame_length;
+		mavlink_sha256_ctx context;
+
+		memcpy(frame, self->frame, self->frame_length);
+		memcpy(frame + hashed - TIMESTAMP_BYTES, &timestamp, TIMESTAMP_BYTES);
+		mavlink_sha256_init(&context);
+		mavlink_sha256_update(&context, key, sizeof(key));
+		mavlink_sha256_update(&context, frame, (uint32_t)hashed);
+		mavlink_sha256_final_48(&context, frame + hashed);
+	}
+}
+
+/* What to send now. A run that loses so many that it has sent all is none. */
+static uint8_t *next_frame(struct client *self)
+{
+	if (self->frames == NULL) {
+		return self->frame;
+	}
+	if (self->sent == self->frame_count) {
+		(void)fprintf(stderr, "bench_client: no signed frames left: too many were lost\n");
+		exit(EXIT_FAILURE);
+	}
+	return self->frames + self->sent++ * self->frame_length;
+}
+
 /* How many answers the datagram holds. */
 static unsigned int answers_in(const struct client *self, const uint8_t *data, size_t length)
 {
 	unsigned int count = 0;
 
 	while (length >= MAVLINK2_OVERHEAD && data[0] == MAVLINK2_MAGIC) {
-		const size_t size = MAVLINK2_OVERHEAD + (size_t)data[1];
+		const size_t size = MAVLINK2_OVERHEAD + (size_t)data[1] +
+		                    ((data[2] & MAVLINK2_SIGNED) != 0 ? SIGNATURE_BYTES : 0);
 		const uint32_t id = data[7] | (uint32_t)data[8] << 8 | (uint32_t)data[9] << 16;
 
 		if (size > length) {
@@ -88,7 +142,7 @@ static bool ask(struct client *self)
 {
 	uint8_t data[DATAGRAM_MAX];
 
-	if (send(self->sock, self->frame, self->frame_length, 0) < 0) {
+	if (send(self->sock, next_frame(self), self->frame_length, 0) < 0) {
 		return false;
 	}
 	for (;;) {
@@ -139,12 +193,13 @@ static int measure_latency(struct client *self, unsigned long count)
 
 static void send_many(struct client *self, unsigned int count)
 {
-	struct iovec part = {.iov_base = self->frame, .iov_len = self->frame_length};
+	struct iovec parts[WINDOW_MAX];
 	struct mmsghdr messages[WINDOW_MAX];
 
 	memset(messages, 0, sizeof(messages));
 	for (unsigned int i = 0; i < count; i++) {
-		messages[i].msg_hdr.msg_iov = &part;
+		parts[i] = (struct iovec){next_frame(self), self->frame_length};
+		messages[i].msg_hdr.msg_iov = &parts[i];
 		messages[i].msg_hdr.msg_iovlen = 1;
 	}
 	for (unsigned int sent = 0; sent < count;) {
@@ -242,15 +297,15 @@ static int connect_from_to(unsigned long from, unsigned long to)
 int main(int argc, char *argv[])
 {
 	struct client self = {0};
-	const bool rate = argc == 8 && strcmp(argv[1], "rate") == 0;
+	const bool rate = argc > 1 && strcmp(argv[1], "rate") == 0;
 
-	if (!rate && !(argc == 7 && strcmp(argv[1], "latency") == 0)) {
-		(void)fprintf(stderr,
-		              "bench_client: latency|rate FROM TO ANSWER COUNT FRAME [WINDOW]\n");
+	if ((argc != 8 && argc != 10) || (!rate && strcmp(argv[1], "latency") != 0)) {
+		(void)fprintf(stderr, "bench_client: latency|rate FROM TO ANSWER COUNT FRAME "
+		                      "WINDOW [KEY TIMESTAMP]\n");
 		return 2;
 	}
 	const unsigned long count = strtoul(argv[5], NULL, 10);
-	const unsigned long window = rate ? strtoul(argv[7], NULL, 10) : 1;
+	const unsigned long window = strtoul(argv[7], NULL, 10);
 
 	if (count < 1 || count > COUNT_MAX || window < 1 || window > WINDOW_MAX) {
 		(void)fprintf(stderr, "bench_client: COUNT 1…%d, WINDOW 1…%d\n", COUNT_MAX,
@@ -260,6 +315,11 @@ int main(int argc, char *argv[])
 	self.sock = connect_from_to(strtoul(argv[2], NULL, 10), strtoul(argv[3], NULL, 10));
 	self.answer_id = (uint32_t)strtoul(argv[4], NULL, 10);
 	self.frame_length = parse_hex(argv[6], self.frame, sizeof(self.frame));
+	if (argc == 10) {
+		/* Those of the warm-up too, and some for those that are sent anew. */
+		sign_frames(&self, count + count / 2 + WINDOW_MAX, argv[8],
+		            strtoull(argv[9], NULL, 10));
+	}
 	return rate ? measure_rate(&self, count, (unsigned int)window)
 	            : measure_latency(&self, count);
 }

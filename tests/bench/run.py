@@ -8,6 +8,7 @@ them alike; ratios are taken within a round, and the median over the rounds is s
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import os
 import platform
@@ -37,6 +38,9 @@ ROOT = Path(__file__).resolve().parents[2]
 COMMAND_LONG = 76
 COMMAND_ACK = 77
 WINDOW = 32
+KEY = bytes(range(32))
+# Of signed commands, in units of 10 µs, an hour apart, from a day after the stored one on.
+timestamps = itertools.count(86_400 * 100_000, 3600 * 100_000)
 DAY_S = 86_400
 START_TIMEOUT_S = 20.0
 
@@ -67,6 +71,7 @@ class Server:
     peer_port: int  # where its client speaks from, each time
     answer: int  # the message id that counts as an answer
     pid: int
+    is_signed: bool = False  # has KEY, so commands must be signed
 
 
 @dataclass
@@ -103,21 +108,36 @@ def printing_its_port(name: str, answer: int, *command: str | Path) -> Iterator[
         process.wait()
 
 
+def store_key(binary: Path, settings: Path) -> None:
+    """Has a light store KEY, typed at its shell."""
+    wires = {"uart0": "udpin:127.0.0.1:0", "console": "pty:{folder}/shell"}
+    with Simulator(binary, wires, options=["--settings", str(settings)]) as sim:
+        console = sim.open("console")
+        console.send(b"signing key\r" + KEY.hex().encode() + b"\r")
+        sim.advance(2_000_000)
+        if b"signing is on" not in b"".join(console.take()):
+            raise SystemExit("bench: the light took no key")
+
+
 @contextmanager
-def pharos(binary: Path) -> Iterator[Server]:
+def pharos(binary: Path, is_signed: bool = False) -> Iterator[Server]:
     """The light in real time, listening over UDP."""
     with tempfile.TemporaryDirectory(prefix="pharos-") as folder:
         control = Path(folder) / "control"
+        settings = Path(folder) / "settings"
+        if is_signed:
+            store_key(binary, settings)
         process = subprocess.Popen(
             [str(binary), "--control", str(control), "--uart0", "udpin:127.0.0.1:0",
-             "--console", "none"],
+             "--console", "none", "--settings", str(settings)],
             stdin=subprocess.DEVNULL,
             cwd=folder,
         )  # fmt: skip
         try:
             address = first_reply(process, control)["wires"]["uart0"]["address"]
             port = int(address.rpartition(":")[2])
-            yield Server("pharos", port, free_port(), COMMAND_ACK, process.pid)
+            name = "pharos, signed" if is_signed else "pharos"
+            yield Server(name, port, free_port(), COMMAND_ACK, process.pid, is_signed)
         finally:
             process.kill()
             process.wait()
@@ -147,6 +167,9 @@ def client(tools: Path, mode: str, server: Server, *arguments: object) -> list[f
     own, other = processors[-1], processors[0]
     os.sched_setaffinity(server.pid, {other})
     words = [mode, server.peer_port, server.port, server.answer, *arguments]
+    if server.is_signed:
+        # Later than all that was sent before: each run signs fewer than in an hour.
+        words += [KEY.hex(), next(timestamps)]
     output = subprocess.run(
         [str(tools / "bench_client"), *map(str, words)],
         check=True,
@@ -157,14 +180,16 @@ def client(tools: Path, mode: str, server: Server, *arguments: object) -> list[f
     return [float(word) for word in output.split()]
 
 
-def command_frame(dialect: Any) -> str:
+def command_frame(dialect: Any, is_signed: bool = False) -> str:
     codec = dialect.MAVLink(None, 255, 190)
+    codec.signing.secret_key = KEY
+    codec.signing.sign_outgoing = is_signed
     message = dialect.MAVLink_command_long_message(1, 243, 405, 0, 1, 0, 0, 0, 0, 0, 0)
     return str(bytes(message.pack(codec)).hex())
 
 
 def measure_servers(
-    args: argparse.Namespace, servers: Sequence[Server], frame: str
+    args: argparse.Namespace, servers: Sequence[Server], dialect: Any
 ) -> dict[str, Samples]:
     samples = {server.name: Samples([], [], []) for server in servers}
     for round_ in range(args.rounds):
@@ -172,12 +197,14 @@ def measure_servers(
         order = [servers[(round_ + i) % len(servers)] for i in range(len(servers))]
         for server in order:
             found = samples[server.name]
-            p50, p99, lost = client(args.tools, "latency", server, args.pings, frame)
+            frame = command_frame(dialect, server.is_signed)
+            p50, p99, lost = client(args.tools, "latency", server, args.pings, frame, 1)
             found.p50_us.append(p50 / 1e3)
             found.p99_us.append(p99 / 1e3)
             found.lost += int(lost)
         for server in order:
             found = samples[server.name]
+            frame = command_frame(dialect, server.is_signed)
             rate, lost = client(args.tools, "rate", server, args.commands, frame, WINDOW)
             found.rate.append(rate)
             found.lost += int(lost)
@@ -201,6 +228,7 @@ def server_rows(samples: dict[str, Samples]) -> list[Row]:
             Row(f"{name}: answers lost", found.lost, "", "≤ 0", found.lost == 0),
         ]
     light, echo, responder = (samples[n] for n in ("pharos", "UDP echo", "pymavlink"))
+    signed = samples["pharos, signed"]
     return [
         *rows,
         at_most("p50, pharos / UDP echo", ratio(light.p50_us, echo.p50_us), "×", P50_RATIO_MAX),
@@ -216,6 +244,8 @@ def server_rows(samples: dict[str, Samples]) -> list[Row]:
             "×",
             RATE_OVER_PYMAVLINK_MIN,
         ),
+        Row("p50, signed / unsigned", ratio(signed.p50_us, light.p50_us), "×"),
+        Row("ACKs per second, signed / unsigned", ratio(signed.rate, light.rate), "×"),
     ]
 
 
@@ -295,6 +325,19 @@ def measure_parse(tools: Path, dialect: Any) -> Row:
     return Row("MAVLink parse rate", float(output.split()[0]), "MB/s")
 
 
+def measure_command(tools: Path) -> list[Row]:
+    """What a command costs without sockets and threads, and what signatures add to it."""
+    output = subprocess.run(
+        [str(tools / "command"), "1000000"], check=True, capture_output=True, text=True
+    ).stdout
+    plain, signed = (float(word) / 1e3 for word in output.split())
+    return [
+        Row("command and ACK in the endpoint, CPU", plain, "µs"),
+        Row("the same, both signed", signed, "µs"),
+        Row("CPU in the endpoint, signed / unsigned", signed / plain, "×"),
+    ]
+
+
 # --- the table ------------------------------------------------------------------------------------
 def machine() -> str:
     text = Path("/proc/cpuinfo").read_text()
@@ -334,12 +377,14 @@ def main() -> int:
             "pymavlink", COMMAND_ACK, sys.executable, script, dialect_path
         )
         light = stack.enter_context(pharos(binary))
-        servers = [stack.enter_context(echo), light, stack.enter_context(responder)]
-        rows = server_rows(measure_servers(args, servers, command_frame(dialect)))
+        signed = stack.enter_context(pharos(binary, is_signed=True))
+        servers = [stack.enter_context(echo), light, signed, stack.enter_context(responder)]
+        rows = server_rows(measure_servers(args, servers, dialect))
         rows.append(at_most("resident memory", resident_mb(light.pid), "MB", RESIDENT_MB_MAX))
     rows.append(measure_switch(args.tools))
     rows += measure_day(binary, dialect)
     rows.append(measure_parse(args.tools, dialect))
+    rows += measure_command(args.tools)
     figures, ratio_of_list = param_list.measure(binary, dialect)
     rows += [Row(*figure) for figure in figures]
     rows.append(at_most("parameters: list / bytes", ratio_of_list, "×", param_list.LIMIT_RATIO))

@@ -7,9 +7,16 @@
  *   op 8     time moves, the endpoint steps until it is content
  *   op 9     the thermal supervisor reports
  *   op 10    the line falls silent
+ *   op 11    a signing key is set or forgotten, routing turned on or off, links made secure
+ *   op 12    a signed message follows, perhaps changed afterwards; it arrives twice
+ *   op 13    SETUP_SIGNING follows
+ *   op 14    bytes follow, for two framers of which one lets unknown messages out
  *
- * Holds after each: what is sent are whole, good frames of ours; settings are in range; a command
- * that was not accepted changed nothing.
+ * Holds after each: what is sent are whole, good frames of ours, rightly signed with rising
+ * timestamps while there is a key; settings are in range; a command that was not accepted, or that
+ * was not rightly signed while there is a key, or that was repeated, changed nothing; what is
+ * forwarded goes to other links that are up, and is never SETUP_SIGNING; unknown messages cost no
+ * verified frame.
  */
 #include "core/arbiter.h"
 #include "proto/mavlink/dialect.h"
@@ -50,6 +57,12 @@ static struct mavlink_outbox out;
 static struct mavlink_framer framers[MAVLINK_LINKS_MAX];
 static int64_t now_us;
 
+/* The arriving frame is rightly signed and new. */
+static bool trusted;
+/* The last timestamp sent on each link, with this key. */
+static uint64_t stamps[MAVLINK_LINKS_MAX];
+static struct mavlink_signing_record stamped;
+
 static const uint8_t big[1000];
 
 static const struct mavlink_file served[] = {
@@ -77,6 +90,9 @@ static void start(void)
 	const struct mavlink_endpoint_config config = {.system_id = 1, .links = 0x0F};
 
 	now_us = 0;
+	trusted = false;
+	memset(&stamped, 0, sizeof(stamped));
+	memset(stamps, 0, sizeof(stamps));
 	illuminator_init(&light, &light_config);
 	arbiter_init(&arbiter, &arbiter_config);
 	params_init(&params);
@@ -103,6 +119,28 @@ static void check_light(void)
 	      (s->strobe_period_us >= 10000 && s->strobe_period_us <= 10000000));
 }
 
+/* While there is a key, a frame sent has a signature that another takes, with a newer timestamp. */
+static void check_signature(const struct mavlink_frame *frame, uint8_t link)
+{
+	struct mavlink_signing_record record = endpoint.signing.now;
+	struct mavlink_signing listener;
+
+	CHECK(frame->has_signature == endpoint.signing.on);
+	if (!frame->has_signature) {
+		return;
+	}
+	if (memcmp(stamped.key, record.key, sizeof(record.key)) != 0) {
+		stamped = record;
+		memset(stamps, 0, sizeof(stamps));
+	}
+	record.timestamp = 0;
+	mavlink_signing_init(&listener, 0, &record);
+	CHECK(mavlink_signing_check(&listener, 0, frame) == MAVLINK_SIGNING_ACCEPTED);
+	CHECK(listener.now.timestamp > stamps[link] ||
+	      listener.now.timestamp == MAVLINK_TIMESTAMP_MAX);
+	stamps[link] = listener.now.timestamp;
+}
+
 /* Every frame sent passes a fresh framer; returns how many were acknowledgements of result. */
 static unsigned int check_sent(uint8_t result)
 {
@@ -119,6 +157,7 @@ static unsigned int check_sent(uint8_t result)
 		CHECK(mavlink_framer_next(&framer, &frame));
 		CHECK(frame.length == out.frames[i].length);
 		CHECK(frame.system_id == 1 && frame.component_id == 243);
+		check_signature(&frame, out.frames[i].link);
 		if (frame.message_id == MAVLINK_MSG_ID_COMMAND_ACK) {
 			found += mavlink_frame_byte(&frame, 2) == result;
 		}
@@ -126,11 +165,28 @@ static unsigned int check_sent(uint8_t result)
 	return found;
 }
 
+static void check_forward(uint8_t link, const uint8_t *bytes, size_t length)
+{
+	struct mavlink_frame frame;
+
+	CHECK(out.forward == 0 || endpoint.config.routing);
+	CHECK((out.forward & 1u << link) == 0 && (out.forward & ~endpoint.config.links) == 0);
+	if (out.forward != 0) {
+		CHECK(mavlink_frame_view(bytes, length, &frame));
+		CHECK(frame.message_id != MAVLINK_MSG_ID_SETUP_SIGNING);
+		CHECK(frame.system_id != 1 || frame.component_id != 243);
+	}
+	CHECK(endpoint.router.count <= MAVLINK_ROUTES_MAX);
+}
+
 static void arrive(uint8_t link, const uint8_t *bytes, size_t length)
 {
 	const uint32_t revision = light.revision;
+	const bool refuses = endpoint.signing.on && !trusted;
 
 	mavlink_endpoint_receive(&endpoint, now_us, link, bytes, length, &out);
+	check_forward(link, bytes, length);
+	CHECK(!refuses || (out.command == 0 && light.revision == revision));
 	CHECK(out.count <= 1 + MAVLINK_LINKS_MAX);
 	if (check_sent(MAV_RESULT_ACCEPTED) == 0) {
 		CHECK(light.revision == revision);
@@ -188,6 +244,136 @@ static void message(struct script *script, uint8_t link)
 	}
 }
 
+static void configure(struct script *script)
+{
+	const uint8_t choice = take(script);
+	struct mavlink_signing_record record = {.timestamp = (uint64_t)take(script) << 40};
+
+	memset(record.key, choice & 3, sizeof(record.key));
+	if ((choice & 4) != 0) {
+		mavlink_endpoint_set_key(&endpoint, now_us, &record);
+		memset(&stamped, 0, sizeof(stamped));
+	}
+	mavlink_endpoint_set_routing(&endpoint, (choice & 8) != 0);
+	mavlink_endpoint_set_secure_links(&endpoint, choice >> 4);
+	for (size_t i = 0; i < MAVLINK_LINKS_MAX; i++) {
+		framers[i].opaque = (choice & 8) != 0;
+	}
+}
+
+static void signed_message(struct script *script)
+{
+	const uint8_t link = take(script) & 3;
+	const struct mavlink_sender sender = {
+		.version = 2, .system_id = 255, .component_id = 190, .has_signature = true};
+	const struct mavlink_kind kind = MAVLINK_KIND(COMMAND_LONG);
+	const mavlink_command_long_t command = {.command = 405, .param1 = take(script) & 1};
+	struct mavlink_signing_record record = endpoint.signing.now;
+	const int64_t shift = (int64_t)(int8_t)take(script) * 100000;
+	struct mavlink_signing peer;
+	uint8_t bytes[MAVLINK_FRAME_MAX];
+	size_t length = mavlink_frame_build(bytes, &sender, &kind, &command);
+
+	if (!endpoint.signing.on) {
+		return;
+	}
+	record.timestamp = mavlink_signing_timestamp(&endpoint.signing, now_us);
+	record.timestamp = shift < 0 && record.timestamp < (uint64_t)-shift
+	                           ? 0
+	                           : record.timestamp + (uint64_t)shift;
+	mavlink_signing_init(&peer, now_us, &record);
+	length += mavlink_signing_sign(&peer, now_us, bytes, length, take(script) & 31);
+
+	const uint8_t at = take(script);
+	const uint8_t change = take(script);
+
+	if (at < length) {
+		bytes[at] ^= change;
+	}
+	trusted = at >= length || change == 0;
+	arrive(link, bytes, length);
+	trusted = false;
+	arrive(link ^ 1, bytes, length);
+}
+
+static void setup(struct script *script)
+{
+	const struct mavlink_sender sender = {.version = 2, .system_id = 255, .component_id = 190};
+	const struct mavlink_kind kind = MAVLINK_KIND(SETUP_SIGNING);
+	const uint8_t link = take(script) & 3;
+	const uint8_t choice = take(script);
+	mavlink_setup_signing_t wire = {.initial_timestamp = (uint64_t)take(script) << 42,
+	                                .target_system = choice & 1,
+	                                .target_component = choice & 2 ? 243 : 0};
+	const struct mavlink_signing_record before = endpoint.signing.now;
+	const uint8_t secure = endpoint.config.secure_links;
+	uint8_t bytes[MAVLINK_FRAME_MAX];
+
+	memset(wire.secret_key, choice >> 6, sizeof(wire.secret_key));
+	arrive(link, bytes, mavlink_frame_build(bytes, &sender, &kind, &wire));
+	if ((choice & 3) != 3 || (secure & 1u << link) == 0) {
+		CHECK(memcmp(before.key, endpoint.signing.now.key, sizeof(before.key)) == 0);
+	} else {
+		CHECK(memcmp(wire.secret_key, endpoint.signing.now.key, sizeof(before.key)) == 0);
+		memset(&stamped, 0, sizeof(stamped));
+	}
+}
+
+/* The next frame of a framer that can be verified. */
+static bool next_verified(struct mavlink_framer *framer, struct mavlink_frame *frame)
+{
+	uint8_t crc_extra;
+
+	while (mavlink_framer_next(framer, frame)) {
+		if (mavlink_crc_extra(frame->message_id, &crc_extra)) {
+			return true;
+		}
+	}
+	return false;
+}
+
+/* What a router's framer verifies is what the other does, in its order, at most later. */
+static void compare_framers(struct script *script)
+{
+	static struct mavlink_framer plain;
+	static struct mavlink_framer router;
+	static uint8_t found[1024 / MAVLINK_V1_FRAME_MIN][MAVLINK_FRAME_MAX];
+	struct mavlink_frame frame;
+	size_t ahead = 0;
+	size_t behind = 0;
+	size_t count = 4u * take(script);
+	const size_t chunk = 1u + take(script);
+
+	mavlink_framer_init(&plain);
+	mavlink_framer_init(&router);
+	router.opaque = true;
+	while (count > 0 && script->at < script->end) {
+		size_t size = (size_t)(script->end - script->at);
+
+		size = size < chunk ? size : chunk;
+		size = size < count ? size : count;
+		for (size_t used = 0; used < size;) {
+			used += mavlink_framer_write(&plain, script->at + used, size - used);
+			while (next_verified(&plain, &frame)) {
+				memcpy(found[ahead++], frame.bytes, frame.length);
+			}
+		}
+		for (size_t used = 0; used < size;) {
+			const size_t taken =
+				mavlink_framer_write(&router, script->at + used, size - used);
+
+			CHECK(taken > 0);
+			used += taken;
+			while (next_verified(&router, &frame)) {
+				CHECK(behind < ahead);
+				CHECK(memcmp(found[behind++], frame.bytes, frame.length) == 0);
+			}
+		}
+		script->at += size;
+		count -= size;
+	}
+}
+
 static void time_moves(struct script *script)
 {
 	int steps = 0;
@@ -225,7 +411,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 
 	start();
 	while (script.at < script.end) {
-		const uint8_t op = take(&script) % 11;
+		const uint8_t op = take(&script) % 15;
 
 		if (op < 4) {
 			raw(&script, op);
@@ -235,6 +421,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 			time_moves(&script);
 		} else if (op == 9) {
 			heat(&script);
+		} else if (op == 11) {
+			configure(&script);
+		} else if (op == 12) {
+			signed_message(&script);
+		} else if (op == 13) {
+			setup(&script);
+		} else if (op == 14) {
+			compare_framers(&script);
 		} else {
 			struct mavlink_frame frame;
 
