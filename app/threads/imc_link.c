@@ -13,7 +13,7 @@
 #include "threads/uart_link.h"
 
 K_MEM_SLAB_DEFINE_STATIC(frame_pool, ROUND_UP(sizeof(struct imc_frame), 8), IMC_FRAMES_MAX, 8);
-K_SEM_DEFINE(rx_ready, 0, 1);
+static K_SEM_DEFINE(rx_ready, 0, 1);
 
 static struct imc_link_stats stats;
 

@@ -10,7 +10,8 @@ import pytest
 from harness import WIRES, Shell, light_on
 from imc_light import IMC_WIRES, LAMP, SYSTEM, THERMAL, ImcLight, join
 from pharos import Simulator
-from pharos.imc import Packet, message
+from pharos.imc import ImcPeer, Packet, message
+from pharos.link import TcpListenLink
 
 MAVLINK_AND_IMC = {"uart0": WIRES["udp"], "uart1": WIRES["tcp"]}
 NETWORK = IMC_WIRES["udp"][1]
@@ -130,6 +131,15 @@ def test_noise_and_malformed_packets_cost_nothing(imc: ImcLight) -> None:
     assert [packet.src_ent for packet in came] == [LAMP]
 
 
+def test_a_claim_of_more_bytes_than_come_stalls_nothing(imc: ImcLight) -> None:
+    good = imc.peer.encode(imc.peer.packet("QueryEntityState", dst_ent=LAMP))
+    for claimed in (0xFFFF, 1400, 200):
+        false_start = b"\x54\xfe\x3a\x01" + claimed.to_bytes(2, "little") + bytes(14)
+        imc.peer.link.send(false_start)
+        imc.peer.link.send(good)
+        assert len(of("EntityState", imc.peer.pass_time(100_000))) == 1
+
+
 # --- discovery --------------------------------------------------------------------------------
 
 
@@ -171,10 +181,49 @@ def test_announcements_go_where_the_parameter_says(
     assert sim.request("imc")["errors"] == 0
 
 
+def test_its_port_stays_over_a_reset(start: Callable[..., Simulator]) -> None:
+    sim = start({"imc": NETWORK})
+    peer = join(sim, "imc")
+    before = sim.request("imc")
+    sim.reset()
+    sim.advance(s=1)
+    after = sim.request("imc")
+    assert after["address"] == before["address"]
+    assert after["discovery_port"] == before["discovery_port"]
+    assert peer.ask("QueryEntityState", "EntityState", dst_ent=LAMP)["state"] == 1
+
+
 def test_no_network_no_announcements(start: Callable[..., Simulator]) -> None:
     sim = start({"uart0": WIRES["udp"]})
     sim.advance(s=30)
     assert sim.request("imc")["tx_datagrams"] == 0
+
+
+def test_a_light_that_connects_is_a_node_as_well(start: Callable[..., Simulator]) -> None:
+    listener = TcpListenLink(("127.0.0.1", 0))
+    sim = start({"uart0": "tcp:{}:{}".format(*listener.address)}, options=("--protocol", "imc"))
+    sim.attach("uart0", listener, from_start=True)
+    peer = ImcPeer(listener, sim)
+    # Nobody has spoken yet: its heartbeats are for everyone.
+    beats = of("Heartbeat", peer.pass_time(5_000_000))
+    assert {packet.dst for packet in beats} == {0xFFFF}
+    assert peer.ask("QueryEntityState", "EntityState", dst_ent=LAMP)["state"] == 1
+    assert {p.dst for p in of("Heartbeat", peer.pass_time(5_000_000))} == {peer.id}
+
+
+def test_the_shell_tells_of_links_and_peers(start: Callable[..., Simulator]) -> None:
+    sim = start(
+        {"console": "pty:{folder}/shell", "imc": NETWORK, "uart1": WIRES["tcp"]},
+        options=("--protocol", "imc"),
+    )
+    join(sim, "imc", id=0x4001)
+    join(sim, "uart1", id=0x4002)
+    said = Shell(sim)("imc")
+    assert "id            0x8442" in said
+    assert "uart1         speaks IMC" in said
+    assert "peers         2, of 8; refused 0" in said
+    assert "0x4001        127.0.0.1:" in said
+    assert "0x4002        uart1, " in said
 
 
 # --- several peers, several protocols ---------------------------------------------------------

@@ -120,6 +120,17 @@ static void note_time(struct imc_endpoint *self, int64_t now_us)
 	}
 }
 
+/* Somebody who may command is there. Other sensors, such as a second light, never do. */
+static void note_commander(const struct imc_endpoint *self, struct imc_outbox *out)
+{
+	const uint16_t src = self->packet.header.src;
+
+	if (self->packet.message.id == IMC_HEARTBEAT &&
+	    (src < IMC_ID_SENSORS_FIRST || src > IMC_ID_SENSORS_LAST)) {
+		(void)imc_outbox_act(out, IMC_ACTION_HEARD);
+	}
+}
+
 /* --- packets ---------------------------------------------------------------------------------- */
 
 static void begin(struct imc_endpoint *self, int64_t now_us, const struct imc_route *origin,
@@ -170,7 +181,7 @@ void imc_endpoint_receive(struct imc_endpoint *self, int64_t now_us, const struc
 	note_peer(self, now_us, route);
 	if (self->packet.message.id == IMC_ANNOUNCE || self->packet.message.id == IMC_HEARTBEAT) {
 		note_time(self, now_us);
-		(void)imc_outbox_act(out, IMC_ACTION_HEARD);
+		note_commander(self, out);
 		return;
 	}
 	if (!is_for_us(self)) {

@@ -66,6 +66,10 @@ enum imc_id {
 #define IMC_DST_ALL    0xFFFFu
 #define IMC_ENTITY_ALL 255u
 
+/* Ids of sensors, as this device is one. */
+#define IMC_ID_SENSORS_FIRST 0x8000u
+#define IMC_ID_SENSORS_LAST  0x8FFFu
+
 /* --- entities and the node -------------------------------------------------------------------- */
 
 enum imc_entity_state_state {

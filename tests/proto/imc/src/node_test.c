@@ -297,6 +297,16 @@ ZTEST(imc_node, test_a_heartbeat_is_a_sign_of_life)
 	zassert_equal(out.actions[0].kind, IMC_ACTION_HEARD);
 }
 
+/* Two lights that hear each other, and nobody else, have lost their link. */
+ZTEST(imc_node, test_other_sensors_and_announcements_are_no_sign_of_life)
+{
+	heartbeat_from(0x8443, STREAM, 0);
+	zassert_equal(out.actions_count, 0);
+	zassert_equal(endpoint.node.peers.count, 1);
+	announce(VEHICLE, "");
+	zassert_equal(out.actions_count, 0);
+}
+
 ZTEST(imc_node, test_unknown_and_malformed_packets_are_counted)
 {
 	uint8_t bytes[IMC_HEADER_SIZE + 4] = {0x54, 0xFE, 0xE7, 0xFD};
