@@ -13,14 +13,15 @@
  *   op 14    bytes follow, for two framers of which one lets unknown messages out
  *
  * Holds after each: what is sent are whole, good frames of ours, rightly signed with rising
- * timestamps while there is a key; settings are in range; a command that was not accepted, or that
- * was not rightly signed while there is a key, or that was repeated, changed nothing; what is
- * forwarded goes to other links that are up, and is never SETUP_SIGNING; unknown messages cost no
- * verified frame.
+ * timestamps while there is a key; settings are in range, the gimbal within its limits; a command
+ * that was not accepted, or that was not rightly signed while there is a key, or that was repeated,
+ * changed nothing; what is forwarded goes to other links that are up, and is never SETUP_SIGNING;
+ * unknown messages cost no verified frame.
  */
 #include "core/arbiter.h"
 #include "proto/mavlink/dialect.h"
 #include "proto/mavlink/framer.h"
+#include "proto/mavlink/gimbal_service.h"
 #include "proto/mavlink/illuminator_service.h"
 
 #include <stdio.h>
@@ -52,6 +53,9 @@ static struct illuminator light;
 static struct arbiter arbiter;
 static struct params params;
 static struct mavlink_illuminator service;
+static struct gimbal gimbal;
+static struct arbiter gimbal_arbiter;
+static struct mavlink_gimbal gimbal_service;
 static struct mavlink_endpoint endpoint;
 static struct mavlink_outbox out;
 static struct mavlink_framer framers[MAVLINK_LINKS_MAX];
@@ -88,6 +92,7 @@ static void start(void)
 		.min_period_us = 10000, .max_period_us = 10000000, .curve = 0};
 	const struct arbiter_config arbiter_config = {.loss_us = 0};
 	const struct mavlink_endpoint_config config = {.system_id = 1, .links = 0x0F};
+	struct gimbal_config gimbal_config;
 
 	now_us = 0;
 	trusted = false;
@@ -99,6 +104,11 @@ static void start(void)
 	mavlink_illuminator_init(&service, &light, &arbiter, &identity, &params);
 	mavlink_endpoint_init(&endpoint, &config);
 	mavlink_endpoint_add(&endpoint, 0, 243, &mavlink_illuminator_profile, &service);
+	params_gimbal(&params, &gimbal_config);
+	gimbal_init(&gimbal, 0, &gimbal_config);
+	arbiter_init(&gimbal_arbiter, &arbiter_config);
+	mavlink_gimbal_init(&gimbal_service, &gimbal, &gimbal_arbiter, &params, &identity);
+	mavlink_endpoint_add(&endpoint, 0, 154, &mavlink_gimbal_profile, &gimbal_service);
 	for (size_t i = 0; i < MAVLINK_LINKS_MAX; i++) {
 		mavlink_framer_init(&framers[i]);
 	}
@@ -141,6 +151,28 @@ static void check_signature(const struct mavlink_frame *frame, uint8_t link)
 	stamps[link] = listener.now.timestamp;
 }
 
+static void check_gimbal(void)
+{
+	const struct gimbal_report report = gimbal_report(&gimbal, now_us);
+
+	/* the limits are ±90 degrees by default, and parameters come here only to be stored */
+	CHECK(report.own.yaw_mdeg >= -90000 && report.own.yaw_mdeg <= 90000);
+	CHECK(report.own.pitch_mdeg >= -90000 && report.own.pitch_mdeg <= 90000);
+	CHECK(report.level.pitch_mdeg >= -90001 && report.level.pitch_mdeg <= 90001);
+}
+
+static void move_servos(void)
+{
+	struct gimbal_outbox moves;
+
+	gimbal_advance(&gimbal, now_us, &moves);
+	CHECK(gimbal_deadline_us(&gimbal) > now_us);
+	for (int i = 0; i < GIMBAL_AXES && moves.move; i++) {
+		CHECK(moves.pulse_ns[i] >= 1000000 && moves.pulse_ns[i] <= 2000000);
+	}
+	check_gimbal();
+}
+
 /* Every frame sent passes a fresh framer; returns how many were acknowledgements of result. */
 static unsigned int check_sent(uint8_t result)
 {
@@ -156,7 +188,8 @@ static unsigned int check_sent(uint8_t result)
 		                     out.frames[i].length);
 		CHECK(mavlink_framer_next(&framer, &frame));
 		CHECK(frame.length == out.frames[i].length);
-		CHECK(frame.system_id == 1 && frame.component_id == 243);
+		CHECK(frame.system_id == 1);
+		CHECK(frame.component_id == 243 || frame.component_id == 154);
 		check_signature(&frame, out.frames[i].link);
 		if (frame.message_id == MAVLINK_MSG_ID_COMMAND_ACK) {
 			found += mavlink_frame_byte(&frame, 2) == result;
@@ -187,11 +220,12 @@ static void arrive(uint8_t link, const uint8_t *bytes, size_t length)
 	mavlink_endpoint_receive(&endpoint, now_us, link, bytes, length, &out);
 	check_forward(link, bytes, length);
 	CHECK(!refuses || (out.command == 0 && light.revision == revision));
-	CHECK(out.count <= 1 + MAVLINK_LINKS_MAX);
+	CHECK(out.count <= MAVLINK_COMPONENTS_MAX * (1 + MAVLINK_LINKS_MAX));
 	if (check_sent(MAV_RESULT_ACCEPTED) == 0) {
 		CHECK(light.revision == revision);
 	}
 	check_light();
+	check_gimbal();
 }
 
 static void raw(struct script *script, uint8_t link)
@@ -217,15 +251,16 @@ static void raw(struct script *script, uint8_t link)
 
 static void message(struct script *script, uint8_t link)
 {
-	static const uint16_t ids[16] = {76,  75,  0,   4,   111, 440, 300, 77,
-	                                 110, 110, 110, 110, 20,  21,  23,  110};
+	static const uint16_t ids[32] = {76,  75, 0,  4,  111, 440, 300, 77,  110, 110, 110,
+	                                 110, 20, 21, 23, 110, 284, 284, 284, 284, 286, 286,
+	                                 286, 30, 30, 33, 33,  0,   285, 283, 76,  75};
 	const uint8_t choice = take(script);
 	const struct mavlink_sender sender = {
 		.version = choice & 0x80 ? 1 : 2,
 		.system_id = choice & 0x40 ? 1 : 255,
-		.component_id = choice & 0x20 ? 243 : 190,
+		.component_id = choice & 0x20 ? (choice & 0x10 ? 1 : 243) : 190,
 	};
-	struct mavlink_kind kind = {.id = ids[choice & 15]};
+	struct mavlink_kind kind = {.id = ids[choice & 31]};
 	uint8_t payload[MAVLINK_PAYLOAD_MAX] = {0};
 	uint8_t bytes[MAVLINK_FRAME_MAX];
 
@@ -385,6 +420,7 @@ static void time_moves(struct script *script)
 		CHECK(out.count > 0 || mavlink_endpoint_deadline_us(&endpoint) > now_us);
 		CHECK(++steps < 100);
 	}
+	move_servos();
 }
 
 static void heat(struct script *script)
