@@ -62,6 +62,7 @@
 #define FOCUS_TRAVEL_MAX_US (INT64_C(600) * US_PER_S)
 /* Updates of a remote hold so long. */
 #define REMOTE_HOLD_US      ((int64_t)US_PER_S)
+#define REMOTE_RENEW_US     (40 * (int64_t)US_PER_MS)
 
 /* Of each kind, on any board. */
 #define ACTUATORS_PWMS_MAX         4u

@@ -7,7 +7,7 @@
 
 void remote_init(struct remote *self)
 {
-	*self = (struct remote){.release_us = TIME_NEVER_US};
+	*self = (struct remote){.release_us = TIME_NEVER_US, .renew_us = TIME_NEVER_US};
 }
 
 static bool axis_valid(int32_t value_ppm)
@@ -20,11 +20,13 @@ static bool axes_move(const struct remote_input *input)
 	return input->pan_ppm != 0 || input->tilt_ppm != 0;
 }
 
-static struct remote_output change(struct remote *self, const struct remote_input *input)
+static struct remote_output change(struct remote *self, int64_t now_us,
+                                   const struct remote_input *input)
 {
 	const struct remote_input before = self->input;
 
 	self->input = *input;
+	self->renew_us = axes_move(input) ? now_us + REMOTE_RENEW_US : TIME_NEVER_US;
 	return (struct remote_output){
 		.toggle_light = input->light && !before.light,
 		.toggle_strobe = input->strobe && !before.strobe,
@@ -43,21 +45,26 @@ struct remote_output remote_update(struct remote *self, int64_t now_us,
 	PHAROS_ASSERT(input->brightness_ppm <= PPM_ONE);
 	PHAROS_ASSERT(axis_valid(input->pan_ppm) && axis_valid(input->tilt_ppm));
 	self->release_us = now_us + REMOTE_HOLD_US;
-	return change(self, input);
+	return change(self, now_us, input);
 }
 
 struct remote_output remote_advance(struct remote *self, int64_t now_us)
 {
 	static const struct remote_input released;
 
-	if (now_us < self->release_us) {
-		return (struct remote_output){.move = false};
+	if (now_us >= self->release_us) {
+		self->release_us = TIME_NEVER_US;
+		return change(self, now_us, &released);
 	}
-	self->release_us = TIME_NEVER_US;
-	return change(self, &released);
+	if (now_us >= self->renew_us) {
+		const struct remote_input same = self->input;
+
+		return change(self, now_us, &same);
+	}
+	return (struct remote_output){.move = false};
 }
 
 int64_t remote_deadline_us(const struct remote *self)
 {
-	return self->release_us;
+	return (self->renew_us < self->release_us) ? self->renew_us : self->release_us;
 }

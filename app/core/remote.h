@@ -6,7 +6,8 @@
  * What 0 does: a button that is released and a slider that is let go do nothing, so the lamp stays
  * as it is; an axis at 0 stops. A press toggles the light, or its strobe. The slider sets the
  * brightness when it has moved to a value above 0, so that a resting one takes the lamp from
- * nobody. An axis is a speed.
+ * nobody. An axis is a speed, told with each update and every REMOTE_RENEW_US while it is not 0,
+ * and once when it is 0 again: what it drives may stop by itself when it is not told for longer.
  *
  * Context: the thread that owns it, no locks inside. Spec: IMC 305 RemoteActions.
  */
@@ -40,6 +41,7 @@ struct remote_output {
 struct remote {
 	struct remote_input input;
 	int64_t release_us; /* when everything returns to 0; TIME_NEVER_US: it has */
+	int64_t renew_us;   /* when the axes are told again; TIME_NEVER_US: they stand still */
 };
 
 void remote_init(struct remote *self);
@@ -48,7 +50,7 @@ void remote_init(struct remote *self);
 struct remote_output remote_update(struct remote *self, int64_t now_us,
                                    const struct remote_input *input);
 
-/* The output of everything being 0 once it is; else of nothing. */
+/* What has fallen due: the axes once more, or everything being 0; else nothing. */
 struct remote_output remote_advance(struct remote *self, int64_t now_us);
 int64_t remote_deadline_us(const struct remote *self);
 

@@ -78,6 +78,14 @@ ZTEST(core_remote, test_silence_stops_the_axes_and_leaves_the_lamp)
 	struct remote_output output = update(
 		5, (struct remote_input){.light = true, .brightness_ppm = 9, .pan_ppm = 100});
 
+	zassert_equal(remote_deadline_us(&remote), 5 + 40000);
+	output = remote_advance(&remote, 5 + 40000 - 1);
+	zassert_true(is_nothing(&output));
+	for (int64_t due_us = 5 + 40000; due_us < 5 + S; due_us += 40000) {
+		output = remote_advance(&remote, due_us);
+		zassert_true(output.move && output.pan_ppm == 100, "at %lld", (long long)due_us);
+		zassert_true(!output.toggle_light && !output.set_brightness);
+	}
 	zassert_equal(remote_deadline_us(&remote), 5 + S);
 	output = remote_advance(&remote, 5 + S - 1);
 	zassert_true(is_nothing(&output));
