@@ -448,3 +448,39 @@ def test_dialect_is_generated_once_into_the_cache(tmp_path: Path) -> None:
     # Check values of common.xml: CRC_EXTRA of 440 and 396.
     assert module.MAVLink_illuminator_status_message.crc_extra == 66
     assert module.MAVLink_component_information_basic_message.crc_extra == 50
+
+
+# --- IMC ------------------------------------------------------------------------------------------
+def test_imc_messages_are_sent_and_their_answers_shown(
+    real_light: START, capsys: pytest.CaptureFixture[str]
+) -> None:
+    light = real_light("--uart0", "tcpin:127.0.0.1:0", "--protocol", "imc")
+    send = ("imc", "send", light.url(), "--seconds", "0.3")
+    assert _code(*send, "--json", "SetLedBrightness", "name=lamp", "value=255") == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert (answer["name"], answer["src"], answer["dst"]) == ("LedBrightness", 0x8442, 0x4001)
+    assert answer["fields"] == {"name": "lamp", "value": 255}
+    assert light.control.request("outputs")["brightness_ppm"] == 1_000_000
+    assert _code(*send, "EntityList", "op=1") == 0
+    assert "8442/0 > 4001/7  EntityList op=0 list='System=0;" in capsys.readouterr().out
+
+
+def test_imc_monitor_shows_what_comes(
+    real_light: START, capsys: pytest.CaptureFixture[str]
+) -> None:
+    light = real_light("--uart0", "tcpin:127.0.0.1:0", "--protocol", "imc")
+    assert _code("imc", "monitor", light.url(), "--count", "1") == 0
+    assert "Heartbeat" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [(["SetLedBrightnes"], "is no message"), (["SetLedBrightness", "value=x"], "is no number")],
+)
+def test_imc_usage_errors_are_one_line(
+    capsys: pytest.CaptureFixture[str], words: list[str], said: str
+) -> None:
+    assert _code("imc", "send", "tcp:127.0.0.1:1", *words) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1

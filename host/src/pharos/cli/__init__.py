@@ -27,6 +27,7 @@ examples:
   pharos shell /dev/ttyUSB0,57600 -c 'on; brightness 40'
   pharos shell 'dronecan:socketcan/can0?node=68' --json < commands.txt
   pharos can nodes socketcan/can0                      who is on the bus
+  pharos imc send tcp:127.0.0.1:6443 SetLedBrightness name=lamp value=128
 
 {CODES}
 """
@@ -74,7 +75,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="pharos",
-        description="Talks to a Pharos light: over MAVLink (shell) and plain DroneCAN (can).",
+        description="Talks to a Pharos light: MAVLink (shell), plain DroneCAN (can), IMC (imc).",
         epilog=MAIN,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -92,6 +93,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_monitor(kinds)
     _add_nodes(kinds)
     _add_light(kinds)
+    _add_imc(commands)
     return parser
 
 
@@ -197,6 +199,44 @@ def _add_own(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _add_imc(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    imc = commands.add_parser(
+        "imc",
+        help="look at an IMC node, or send a message to it",
+        description="IMC over any link (see `pharos shell --help`).",
+        epilog=(
+            "examples:\n"
+            "  pharos imc monitor tcp:127.0.0.1:6443 --seconds 5\n"
+            "  pharos imc send udp:127.0.0.1:6442 EntityList op=1\n\n" + CODES
+        ),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    kinds = imc.add_subparsers(metavar="COMMAND", required=True)
+    monitor = kinds.add_parser("monitor", help="show each packet, decoded, until Ctrl-C")
+    monitor.add_argument("--count", type=_positive, metavar="N", help="end after N packets")
+    monitor.add_argument("--seconds", type=_seconds, metavar="S", help="end after S seconds")
+    send = kinds.add_parser("send", help="send one message and show the answers")
+    for parser in (monitor, send):
+        parser.add_argument("url", metavar="URL", help="where the light is")
+        parser.add_argument("--json", action="store_true", help="one JSON object per line")
+        parser.add_argument(
+            "--own", type=_number, default=0x4001, metavar="ID", help="our id (default: 0x4001)"
+        )
+    send.add_argument("name", metavar="MESSAGE", help="its name, such as SetLedBrightness")
+    send.add_argument("fields", nargs="*", metavar="FIELD=VALUE", help="others are zero or empty")
+    send.add_argument(
+        "--dst", type=_number, default=0xFFFF, metavar="ID", help="to whom (default: everyone)"
+    )
+    send.add_argument(
+        "--dst-ent", type=_number, default=255, metavar="N", help="entity (default: all)"
+    )
+    send.add_argument(
+        "--seconds", type=_seconds, default=1.0, metavar="S", help="wait so long (default: 1)"
+    )
+    monitor.set_defaults(run=_run_imc("run_monitor"))
+    send.set_defaults(run=_run_imc("run_send"))
+
+
 # --- arguments ------------------------------------------------------------------------------------
 def _seconds(text: str) -> float:
     value = float(text)
@@ -218,6 +258,16 @@ def _positive(text: str) -> int:
 _positive.__name__ = "positive number"
 
 
+def _number(text: str) -> int:
+    value = int(text, 0)
+    if not 0 <= value <= 0xFFFF:
+        raise ValueError(text)
+    return value
+
+
+_number.__name__ = "number"
+
+
 def _target(text: str) -> Target:
     system, _, component = text.partition("/")
     target = Target(int(system), int(component))
@@ -235,6 +285,16 @@ def _run_can(name: str) -> Callable[[argparse.Namespace, Printer], int]:
         from . import can  # loads all DSDL definitions: only when asked for
 
         getattr(can, name)(args, printer)
+        return OK
+
+    return run
+
+
+def _run_imc(name: str) -> Callable[[argparse.Namespace, Printer], int]:
+    def run(args: argparse.Namespace, printer: Printer) -> int:
+        from . import imc
+
+        getattr(imc, name)(args, printer)
         return OK
 
     return run

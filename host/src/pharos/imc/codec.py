@@ -13,6 +13,8 @@ from .table import BY_ID, BY_NAME, Field, Kind
 SYNC = 0xFE54
 HEADER_SIZE = 20
 FOOTER_SIZE = 2
+# A stream waits for no longer payload than this: what claims more is a false start.
+STREAM_PAYLOAD_MAX = 8192
 EVERYONE = 0xFFFF
 ALL_ENTITIES = 255
 
@@ -106,7 +108,10 @@ def _put_field(order: str, what: Field, value: Any) -> bytes:
         return struct.pack(order + "H", len(items)) + b"".join(items)
     if what.kind in _RANGES and not 0 <= value <= _RANGES[what.kind]:
         raise ImcError(f"{what.name}: {value} is not within 0…{_RANGES[what.kind]}")
-    return struct.pack(order + _SCALARS[what.kind], value)
+    try:
+        return struct.pack(order + _SCALARS[what.kind], value)
+    except (struct.error, OverflowError) as error:
+        raise ImcError(f"{what.name}: {value!r}: {error}") from None
 
 
 def _put_fields(order: str, what: Message) -> bytes:
@@ -119,13 +124,14 @@ def encode(packet: Packet, *, big_endian: bool = False) -> bytes:
     body = _put_fields(order, packet.message)
     if len(body) > 0xFFFF:
         raise ImcError(f"{packet.name}: longer than 65535 bytes")
-    data = (
-        struct.pack(
+    try:
+        header = struct.pack(
             order + _HEADER, SYNC, packet.message.kind.id, len(body), packet.timestamp,
             packet.src, packet.src_ent, packet.dst, packet.dst_ent,
-        )
-        + body
-    )  # fmt: skip
+        )  # fmt: skip
+    except struct.error as error:
+        raise ImcError(f"{packet.name}: header: {error}") from None
+    data = header + body
     return data + struct.pack(order + "H", checksum(data))
 
 
@@ -210,8 +216,9 @@ class Stream:
             order = order_of(data)
             if len(data) < HEADER_SIZE:
                 return 0
-            length = HEADER_SIZE + struct.unpack_from(order + "H", data, 4)[0] + FOOTER_SIZE
-            if len(data) < length:
+            size = struct.unpack_from(order + "H", data, 4)[0]
+            length = HEADER_SIZE + size + FOOTER_SIZE
+            if size <= STREAM_PAYLOAD_MAX and len(data) < length:
                 return 0
             packets.append(decode(data[:length]))
         except ImcError:
