@@ -279,7 +279,9 @@ ZTEST(core_illuminator, test_new_curve_and_limits_apply_from_then_on)
 {
 	const struct illuminator_event event = {
 		.kind = ILLUMINATOR_EVENT_CONFIG,
-		.config = {50000, 100000, ILLUMINATOR_CURVE_PERCEPTUAL},
+		.config = {.min_period_us = 50000,
+	                   .max_period_us = 100000,
+	                   .curve = ILLUMINATOR_CURVE_PERCEPTUAL},
 	};
 
 	on_off(true);

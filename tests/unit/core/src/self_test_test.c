@@ -133,7 +133,9 @@ ZTEST(core_self_test, test_follows_the_curve)
 {
 	const struct illuminator_event curve = {
 		.kind = ILLUMINATOR_EVENT_CONFIG,
-		.config = {10000, 10000000, ILLUMINATOR_CURVE_PERCEPTUAL},
+		.config = {.min_period_us = 10000,
+	                   .max_period_us = 10000000,
+	                   .curve = ILLUMINATOR_CURVE_PERCEPTUAL},
 	};
 
 	zassert_equal(give(&curve), ILLUMINATOR_ACCEPTED);
@@ -178,7 +180,9 @@ ZTEST(core_self_test, test_other_reports_and_parameters_interrupt_nothing)
 {
 	const struct illuminator_event config = {
 		.kind = ILLUMINATOR_EVENT_CONFIG,
-		.config = {20000, 10000000, ILLUMINATOR_CURVE_LINEAR},
+		.config = {.min_period_us = 20000,
+	                   .max_period_us = 10000000,
+	                   .curve = ILLUMINATOR_CURVE_LINEAR},
 	};
 
 	begin(PPM_ONE);
