@@ -28,15 +28,15 @@ if "PHAROS_LIGHT2" in os.environ:
     BINARIES["libgpiod2"] = Path(os.environ["PHAROS_LIGHT2"])
 
 
-def until(what: str, condition: Callable[[], Any]) -> Any:
+def until(what: str, condition: Callable[[], Any], patience_s: float = PATIENCE_S) -> Any:
     """The first true value of condition(), asked again and again."""
-    end = time.monotonic() + PATIENCE_S
+    end = time.monotonic() + patience_s
     while time.monotonic() < end:
         value = condition()
         if value:
             return value
         os.sched_yield()
-    raise AssertionError(f"{what}: not within {PATIENCE_S:.0f} s")
+    raise AssertionError(f"{what}: not within {patience_s:.0f} s")
 
 
 def pass_time(seconds: float) -> None:

@@ -39,6 +39,8 @@ SILENT = 3  # what `pharos` ends with when somebody is
 
 # The command, as an installation runs it.
 PHAROS = (sys.executable, "-m", "pharos")
+# At most; it reads every DSDL definition.
+START_S = 60.0
 DIALECT = find_dialect(BUILD)
 ENVIRONMENT = {
     **os.environ,
@@ -117,7 +119,7 @@ def light(start_can: Start, vcan0: str) -> Light:
 def test_shell_through_the_tunnel(light: Light, vcan0: str) -> None:
     done = subprocess.run(
         [*PHAROS, "shell", url_of(vcan0), "--json"], input="on\nbrightness 40\nstatus\n",
-        capture_output=True, text=True, timeout=PATIENCE_S, env=ENVIRONMENT,
+        capture_output=True, text=True, timeout=START_S + PATIENCE_S, env=ENVIRONMENT,
     )  # fmt: skip
     said = Said(done.returncode, done.stdout, done.stderr)
     assert (said.status, said.err) == (0, "")
@@ -130,7 +132,7 @@ def test_shell_through_the_tunnel(light: Light, vcan0: str) -> None:
 
 
 def test_nodes(light: Light, vcan0: str, pharos: Callable[..., Said]) -> None:
-    said = pharos("can", "nodes", f"socketcan/{vcan0}", "--json", "--seconds", "2.5")
+    said = pharos("can", "nodes", f"socketcan/{vcan0}", "--json", "--seconds", "4")
     assert (said.status, said.err) == (0, "")
     (node,) = said.objects
     assert (node["node"], node["name"], node["health"]) == (NODE, "org.pharos.light", "ok")
@@ -170,7 +172,7 @@ def test_shell_ends_with_one_line_when_its_interface_goes_down(light: Light, vca
     assert process.stdin is not None
     process.stdin.write("on\n")
     process.stdin.flush()
-    until("on", lambda: is_on(light))
+    until("on", lambda: is_on(light), START_S)
     link("set", vcan0, "down")
     out, err = process.communicate("off\n", timeout=PATIENCE_S)
     assert process.returncode == SILENT
