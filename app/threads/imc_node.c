@@ -2,6 +2,7 @@
 #include "threads/imc_node.h"
 
 #include <zephyr/kernel.h>
+#include <zephyr/logging/log.h>
 #include <zephyr/sys/printk.h>
 
 #include <pharos/drivers/datagram.h>
@@ -14,11 +15,16 @@
 #include "threads/uart_link.h"
 #include "version.h"
 
+LOG_MODULE_REGISTER(imc_node);
+
+#define LOG_GAP_US (1 * US_PER_S)
+
 #define SERVICES "imc+info://0.0.0.0/version/5.4.31;imc+udp://%u.%u.%u.%u:%u/"
 
 static struct imc_endpoint endpoint;
 static struct imc_outbox out;
 static bool active;
+static int64_t log_us; /* the next refusal may be logged */
 
 /* How others reach us; NULL: no datagrams, nothing to announce. */
 static const char *services(void)
@@ -117,10 +123,33 @@ static void perform(struct command *command)
 
 /* --- what the command thread calls ------------------------------------------------------------ */
 
+/* The node's; those of the actuation service are logged there. */
+static uint32_t refusals(void)
+{
+	return endpoint.stats.malformed + endpoint.node.stats.unknown_names +
+	       endpoint.node.stats.params_refused;
+}
+
+static void log_refusal(void)
+{
+	const struct imc_packet *const packet = &endpoint.packet;
+
+	if (clock_now_us() >= log_us) {
+		log_us = clock_now_us() + LOG_GAP_US;
+		LOG_WRN("%s of 0x%04x: unknown name, wrong value or malformed",
+		        imc_type_find(packet->message.id)->name, packet->header.src);
+	}
+}
+
 void imc_node_take(struct command *command, struct imc_frame *frame)
 {
+	const uint32_t before = refusals();
+
 	actuation_sample();
 	imc_endpoint_receive(&endpoint, clock_now_us(), &frame->route, frame->bytes, &out);
+	if (refusals() != before) {
+		log_refusal();
+	}
 	perform(command);
 	imc_link_frame_free(frame);
 }

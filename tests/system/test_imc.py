@@ -99,6 +99,16 @@ def test_parameters_survive_a_power_cut(imc: ImcLight) -> None:
     assert parameters(told)[b"LGT_CURVE"] == b"0"
 
 
+def test_what_is_not_known_is_logged_once_a_second(start: Callable[..., Simulator]) -> None:
+    wire, address, options = IMC_WIRES["tcp"]
+    sim = start({wire: address}, options=options)
+    peer = join(sim, wire)
+    for _ in range(3):
+        peer.send("QueryEntityParameters", name="Nothing")
+        assert of("EntityParameters", peer.pass_time(100_000)) == []
+    assert sim.console().count("QueryEntityParameters of 0x4001: unknown name") == 1
+
+
 # --- addresses --------------------------------------------------------------------------------
 
 
