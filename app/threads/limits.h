@@ -56,7 +56,7 @@
 #define IMC_FRAMES_MAX 0
 #endif
 /* Requests to the command thread: every frame, and a few reports and calls besides. */
-#define COMMAND_QUEUE_MAX    (LINK_FRAMES_MAX + CAN_FRAMES_MAX + IMC_FRAMES_MAX + 8)
+#define COMMAND_QUEUE_MAX       (LINK_FRAMES_MAX + CAN_FRAMES_MAX + IMC_FRAMES_MAX + 8)
 /* What a board may have of each kind. */
 #define ACTUATOR_POWER_CHANNELS 4
 #define ACTUATOR_GPIO_OUTPUTS   2
