@@ -20,8 +20,8 @@
 	  "Longest strobe period")                                                                 \
 	X(BCN_PERIOD_US, LIGHT, "us", 1000, 60000000, CONFIG_PHAROS_BEACON_PERIOD_US, 0,           \
 	  "Beacon: period, brought between STRB_MIN_US and STRB_MAX_US")                           \
-	X(BCN_DUTY, LIGHT, "ppm", 0, 1000000, CONFIG_PHAROS_BEACON_DUTY_PPM, 0,                    \
-	  "Beacon: lit part of the period")                                                        \
+	X(BCN_DUTY, LIGHT, "ppm", 1, 1000000, CONFIG_PHAROS_BEACON_DUTY_PPM, 0,                    \
+	  "Beacon: lit part of the period; all of it is steady")                                   \
 	X(BCN_BRIGHT, LIGHT, "ppm", 0, 1000000, CONFIG_PHAROS_BEACON_BRIGHTNESS_PPM, 0,            \
 	  "Beacon: brightness")                                                                    \
 	X(LGT_PROGRAM, LIGHT, "", 0, 4, CONFIG_PHAROS_LIGHT_PROGRAM, 0,                            \
