@@ -58,6 +58,7 @@ def test_beacon_is_the_strobe_of_its_parameters(light: Light) -> None:
     assert set_param(light, "LGT_CURVE", 0) == 0  # brightness is light
     set_param(light, "BCN_PERIOD_US", 1_500_000)
     set_param(light, "BCN_DUTY", 200_000)
+    assert set_param(light, "BCN_DUTY", 0) == 200_000  # refused: never lit
     set_param(light, "BCN_BRIGHT", 700_000)
     arm(light, BEACON)
     silence(light, 5 * SECOND_US)
