@@ -16,6 +16,7 @@
 #include "threads/devices.h"
 #include "threads/gimbal_node.h"
 #include "threads/imc_node.h"
+#include "threads/inputs.h"
 #include "threads/mavlink_node.h"
 #include "threads/storage.h"
 #include "threads/strobe.h"
@@ -286,6 +287,7 @@ void command_init(void)
 	if (strobe_timer_init(&sync) != 0) {
 		LOG_ERR("the sync input does not work; external sync will time out");
 	}
+	self_test_init(&command.self_test);
 	gimbal_node_init(&command);
 	uart_links_init(&command.params);
 	mavlink_node_init(&command);
@@ -420,6 +422,17 @@ static void step_arbiter(void)
 	}
 }
 
+/* The sweep of a self-test, and what it finds. */
+static void step_self_test(void)
+{
+	struct illuminator_event event;
+
+	self_test_driver(&command.self_test, inputs_get().driver_fault);
+	while (self_test_step(&command.self_test, clock_now_us(), &command.illuminator, &event)) {
+		step_core(&event);
+	}
+}
+
 void command_run(void *p1, void *p2, void *p3)
 {
 	for (;;) {
@@ -427,7 +440,8 @@ void command_run(void *p1, void *p2, void *p3)
 			MIN(arbiter_deadline_us(&command.arbiter), mavlink_node_deadline_us());
 		const int64_t bus_us = MIN(can_node_deadline_us(), imc_node_due_us());
 		const int64_t node_us = MIN(bus_us, gimbal_node_deadline_us(&command));
-		const int64_t deadline_us = MIN(core_us, node_us);
+		const int64_t work_us = MIN(node_us, self_test_deadline_us(&command.self_test));
+		const int64_t deadline_us = MIN(core_us, work_us);
 		const int64_t report_us = clock_now_us() + SUPERVISOR_REPORT_MS * US_PER_MS;
 		struct item item;
 
@@ -435,6 +449,7 @@ void command_run(void *p1, void *p2, void *p3)
 			take(&item);
 		}
 		step_arbiter();
+		step_self_test();
 		show_commander();
 		gimbal_node_step(&command);
 		mavlink_node_step(&command);

@@ -13,6 +13,7 @@
 #include "core/arbiter.h"
 #include "core/illuminator.h"
 #include "core/params.h"
+#include "core/self_test.h"
 #include "threads/gimbal_node.h"
 #include "threads/link.h"
 
@@ -24,6 +25,7 @@ struct command {
 	struct illuminator illuminator;
 	struct arbiter arbiter;
 	struct params params;
+	struct self_test self_test;
 #ifdef CONFIG_PHAROS_GIMBAL
 	struct gimbal_node gimbal;
 #endif

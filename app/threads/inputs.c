@@ -32,6 +32,7 @@ static void fault_changed(bool active)
 	status.driver_fault = active;
 	status.driver_faults += active ? 1 : 0;
 	irq_unlock(key);
+	command_wake();
 	if (active) {
 		LOG_ERR("the lamp's driver reports a fault");
 	} else {

@@ -4,7 +4,9 @@
 #include <zephyr/kernel.h>
 #include <zephyr/logging/log.h>
 #include <zephyr/sys/printk.h>
+#include <zephyr/sys/reboot.h>
 
+#include <pharos/drivers/light.h>
 #include <pharos/drivers/probe.h>
 
 #include "proto/mavlink/gimbal_service.h"
@@ -12,6 +14,7 @@
 #include "threads/clock.h"
 #include "threads/devices.h"
 #include "threads/identity.h"
+#include "threads/inputs.h"
 #include "threads/link.h"
 #include "threads/storage.h"
 
@@ -20,6 +23,10 @@ LOG_MODULE_REGISTER(mavlink);
 /* MAV_SYSID 0 leaves the choice to the vehicle; until one is heard, this. */
 #define SYSTEM_ID_FALLBACK 1
 
+/* Until an acknowledged reboot: frames leave the wires, and settings reach the store. */
+#define REBOOT_DELAY_US 500000
+
+static int64_t reboot_us = TIME_NEVER_US;
 static struct mavlink_endpoint endpoint;
 static struct mavlink_illuminator illuminator;
 #ifdef CONFIG_PHAROS_GIMBAL
@@ -58,7 +65,7 @@ void mavlink_node_init(struct command *command)
 	char text[IDENTITY_BOOT_TEXT_MAX];
 
 	mavlink_illuminator_init(&illuminator, &command->illuminator, &command->arbiter,
-	                         identity_get(), &command->params);
+	                         identity_get(), &command->params, &command->self_test);
 	for (uint8_t link = 0; link < LINKS_MAX; link++) {
 		config.rates[link] = link_rate(link);
 	}
@@ -117,6 +124,9 @@ static void perform(struct command *command)
 		storage_save_signing(&out.signing);
 	}
 #endif
+	if (out.reboot) {
+		reboot_us = clock_now_us() + REBOOT_DELAY_US;
+	}
 }
 
 /* After our own frames, so that others' never delay them. */
@@ -165,11 +175,33 @@ static void tell_storage_failure(int64_t now_us)
 	mavlink_endpoint_text(&endpoint, now_us, 3 /* MAV_SEVERITY_ERROR */, text);
 }
 
+/* The lamp's driver has a fault, or none any more. */
+static void tell_driver_fault(int64_t now_us)
+{
+	static bool told;
+	static int64_t next_us;
+	const bool fault = inputs_get().driver_fault;
+
+	if (fault == told || now_us < next_us) {
+		return;
+	}
+	told = fault;
+	next_us = now_us + MAVLINK_NOTICE_GAP_US;
+	mavlink_endpoint_text(&endpoint, now_us,
+	                      fault ? 3 /* MAV_SEVERITY_ERROR */ : 5 /* MAV_SEVERITY_NOTICE */,
+	                      fault ? "Lamp driver reports a fault" : "Lamp driver is well again");
+}
+
 void mavlink_node_step(struct command *command)
 {
 	const int64_t now_us = clock_now_us();
 
+	if (reboot_us <= now_us) {
+		light_off_now(devices.light);
+		sys_reboot(SYS_REBOOT_COLD);
+	}
 	tell_storage_failure(now_us);
+	tell_driver_fault(now_us);
 	while (mavlink_endpoint_deadline_us(&endpoint) <= now_us) {
 		mavlink_endpoint_step(&endpoint, now_us, &out);
 		perform(command);
@@ -178,7 +210,7 @@ void mavlink_node_step(struct command *command)
 
 int64_t mavlink_node_deadline_us(void)
 {
-	return mavlink_endpoint_deadline_us(&endpoint);
+	return MIN(mavlink_endpoint_deadline_us(&endpoint), reboot_us);
 }
 
 void mavlink_node_link_up(uint8_t link)

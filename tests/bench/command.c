@@ -38,6 +38,7 @@ static const struct mavlink_signing_record key = {.timestamp = 1, .key = {1, 2, 
 static struct illuminator light;
 static struct arbiter arbiter;
 static struct params params;
+static struct self_test self_test;
 static struct mavlink_illuminator service;
 static struct mavlink_endpoint endpoint;
 static struct mavlink_outbox out;
@@ -66,7 +67,8 @@ static void start(bool is_signed)
 	illuminator_init(&light, &light_config);
 	arbiter_init(&arbiter, &arbiter_config);
 	params_init(&params);
-	mavlink_illuminator_init(&service, &light, &arbiter, &identity, &params);
+	self_test_init(&self_test);
+	mavlink_illuminator_init(&service, &light, &arbiter, &identity, &params, &self_test);
 	mavlink_endpoint_init(&endpoint, &config);
 	mavlink_endpoint_add(&endpoint, 0, 243, &mavlink_illuminator_profile, &service);
 	mavlink_framer_init(&framer);

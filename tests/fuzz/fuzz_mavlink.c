@@ -52,6 +52,7 @@ struct script {
 static struct illuminator light;
 static struct arbiter arbiter;
 static struct params params;
+static struct self_test self_test;
 static struct mavlink_illuminator service;
 static struct gimbal gimbal;
 static struct arbiter gimbal_arbiter;
@@ -101,7 +102,8 @@ static void start(void)
 	illuminator_init(&light, &light_config);
 	arbiter_init(&arbiter, &arbiter_config);
 	params_init(&params);
-	mavlink_illuminator_init(&service, &light, &arbiter, &identity, &params);
+	mavlink_illuminator_init(&service, &light, &arbiter, &identity, &params, &self_test);
+	self_test_init(&self_test);
 	mavlink_endpoint_init(&endpoint, &config);
 	mavlink_endpoint_add(&endpoint, 0, 243, &mavlink_illuminator_profile, &service);
 	params_gimbal(&params, &gimbal_config);
@@ -252,7 +254,7 @@ static void raw(struct script *script, uint8_t link)
 static void message(struct script *script, uint8_t link)
 {
 	static const uint16_t ids[32] = {76,  75, 0,  4,  111, 440, 300, 77,  110, 110, 110,
-	                                 110, 20, 21, 23, 110, 284, 284, 284, 284, 286, 286,
+	                                 110, 20, 21, 23, 80,  284, 284, 284, 284, 286, 286,
 	                                 286, 30, 30, 33, 33,  0,   285, 283, 76,  75};
 	const uint8_t choice = take(script);
 	const struct mavlink_sender sender = {
@@ -411,9 +413,15 @@ static void compare_framers(struct script *script)
 
 static void time_moves(struct script *script)
 {
+	struct illuminator_outbox actions;
+	struct illuminator_event event;
 	int steps = 0;
 
 	now_us += (int64_t)take(script) * 100000 + take(script);
+	while (self_test_step(&self_test, now_us, &light, &event)) {
+		CHECK(illuminator_step(&light, now_us, &event, &actions) == ILLUMINATOR_ACCEPTED);
+		mavlink_endpoint_observe(&endpoint, now_us, &actions);
+	}
 	while (mavlink_endpoint_deadline_us(&endpoint) <= now_us) {
 		mavlink_endpoint_step(&endpoint, now_us, &out);
 		check_sent(0);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "core/assert.h"
 #include "proto/mavlink/dialect.h"
 #include "proto/mavlink/internal.h"
 
@@ -130,7 +131,8 @@ uint8_t mavlink_request_message(const struct mavlink_context *context,
 	return reply_with(context, row, command->param[1], links, reply);
 }
 
-static void acknowledge(const struct mavlink_context *context, uint16_t id, uint8_t result)
+static void acknowledge(const struct mavlink_context *context, uint16_t id, uint8_t result,
+                        int32_t detail)
 {
 	static const struct mavlink_kind kind = MAVLINK_KIND(COMMAND_ACK);
 	mavlink_command_ack_t ack;
@@ -138,6 +140,8 @@ static void acknowledge(const struct mavlink_context *context, uint16_t id, uint
 	memset(&ack, 0, sizeof(ack));
 	ack.command = id;
 	ack.result = result;
+	ack.progress = result == MAV_RESULT_IN_PROGRESS ? context->component->running.percent : 0;
+	ack.result_param2 = detail;
 	ack.target_system = context->source_system;
 	ack.target_component = context->source_component;
 	(void)mavlink_send(context, context->link, &kind, &ack);
@@ -188,12 +192,36 @@ static bool is_to_answer(const struct mavlink_context *context,
 	return context->component == &endpoint->components[0];
 }
 
+/* While one that takes time runs, it isn't begun again, nor another one. */
 static uint8_t run(const struct mavlink_context *context, const struct mavlink_command *command,
                    struct mavlink_reply *reply)
 {
 	const struct mavlink_command_row *const row = row_of(context->component, command->id);
+	struct mavlink_running *const running = &context->component->running;
 
-	return row == NULL ? MAV_RESULT_UNSUPPORTED : row->run(context, command, reply);
+	if (row == NULL) {
+		return MAV_RESULT_UNSUPPORTED;
+	}
+	if (row->cancel != NULL && running->command.id != 0) {
+		const bool same =
+			running->command.id == command->id &&
+			memcmp(running->command.param, command->param, sizeof(command->param)) == 0;
+
+		return same ? MAV_RESULT_IN_PROGRESS : MAV_RESULT_TEMPORARILY_REJECTED;
+	}
+
+	const uint8_t result = row->run(context, command, reply);
+
+	if (result == MAV_RESULT_IN_PROGRESS) {
+		PHAROS_ASSERT(row->cancel != NULL);
+		*running = (struct mavlink_running){
+			.command = *command,
+			.link = context->link,
+			.source_system = context->source_system,
+			.source_component = context->source_component,
+		};
+	}
+	return result;
 }
 
 /* State first, then the acknowledgement, then what was asked for. */
@@ -205,9 +233,13 @@ static void carry_out(const struct mavlink_context *context, const struct mavlin
 		return;
 	}
 	reply.row = NULL;
+	reply.detail = 0;
 	context->endpoint->links[context->link].stats.rx_commands++;
 	context->out->command = command->id;
-	acknowledge(context, command->id, run(context, command, &reply));
+
+	const uint8_t result = run(context, command, &reply);
+
+	acknowledge(context, command->id, result, reply.detail);
 	if (reply.row == NULL) {
 		return;
 	}
@@ -248,4 +280,57 @@ void mavlink_command_int(const struct mavlink_context *context, const struct mav
 	};
 
 	carry_out(context, &command);
+}
+
+/* --- commands that take time ------------------------------------------------------------------ */
+
+/* The context of who waits for the running command. */
+static struct mavlink_context waiting(const struct mavlink_context *context)
+{
+	const struct mavlink_running *const running = &context->component->running;
+	struct mavlink_context asker = *context;
+
+	PHAROS_ASSERT(running->command.id != 0);
+	asker.link = running->link;
+	asker.source_system = running->source_system;
+	asker.source_component = running->source_component;
+	return asker;
+}
+
+void mavlink_command_progress(const struct mavlink_context *context, uint8_t percent)
+{
+	const struct mavlink_context asker = waiting(context);
+	struct mavlink_running *const running = &context->component->running;
+
+	running->percent = percent;
+	acknowledge(&asker, running->command.id, MAV_RESULT_IN_PROGRESS, 0);
+}
+
+void mavlink_command_done(const struct mavlink_context *context, uint8_t result, int32_t detail)
+{
+	const struct mavlink_context asker = waiting(context);
+	struct mavlink_running *const running = &context->component->running;
+	const uint16_t id = running->command.id;
+
+	running->command.id = 0;
+	acknowledge(&asker, id, result, detail);
+}
+
+/* Who cancels another's command is told as well. */
+void mavlink_command_cancel(const struct mavlink_context *context,
+                            const struct mavlink_frame *frame)
+{
+	const struct mavlink_running running = context->component->running;
+	mavlink_command_cancel_t wire;
+
+	mavlink_frame_payload(frame, &wire, sizeof(wire));
+	if (running.command.id == 0 || running.command.id != wire.command ||
+	    !row_of(context->component, wire.command)->cancel(context)) {
+		return;
+	}
+	mavlink_command_done(context, MAV_RESULT_CANCELLED, 0);
+	if (running.link != context->link || running.source_system != context->source_system ||
+	    running.source_component != context->source_component) {
+		acknowledge(context, wire.command, MAV_RESULT_CANCELLED, 0);
+	}
 }

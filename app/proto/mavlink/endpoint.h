@@ -67,18 +67,25 @@ union mavlink_payload {
 
 struct mavlink_message_row;
 
-/* A message that goes out after the acknowledgement, when the result is ACCEPTED. */
+/* Beside the result: a message that goes out after the acknowledgement, when it is ACCEPTED. */
 struct mavlink_reply {
+	int32_t detail;                        /* COMMAND_ACK.result_param2, 0 when called */
 	const struct mavlink_message_row *row; /* NULL: none */
 	uint8_t links;                         /* bit per link */
 	union mavlink_payload payload;
 };
 
-/* Carries the command out; returns a MAV_RESULT. reply->row is NULL when called. */
+/*
+ * run: carries the command out; returns a MAV_RESULT. reply->row is NULL when called.
+ * cancel: of a command that takes time, else NULL. Its run returns IN_PROGRESS; the component's
+ * step then calls mavlink_command_progress and, once, mavlink_command_done. cancel returns false
+ * when it has come too late.
+ */
 struct mavlink_command_row {
 	uint16_t id;
 	uint8_t (*run)(const struct mavlink_context *context, const struct mavlink_command *command,
 	               struct mavlink_reply *reply);
+	bool (*cancel)(const struct mavlink_context *context);
 };
 
 /*
@@ -133,9 +140,19 @@ struct mavlink_stream {
 	int32_t interval_us; /* MAVLINK_INTERVAL_OFF: silent */
 };
 
+/* The command that takes time and isn't done; id 0: none. Who waits for its result. */
+struct mavlink_running {
+	struct mavlink_command command;
+	uint8_t percent;
+	uint8_t link;
+	uint8_t source_system;
+	uint8_t source_component;
+};
+
 struct mavlink_component {
 	const struct mavlink_profile *profile;
 	void *service;
+	struct mavlink_running running;
 	uint8_t id;
 	uint8_t sequence[MAVLINK_LINKS_MAX];
 	struct mavlink_stream streams[MAVLINK_LINKS_MAX][MAVLINK_MESSAGES_MAX];
@@ -281,6 +298,14 @@ bool mavlink_send(const struct mavlink_context *context, uint8_t link,
 int64_t mavlink_bulk_due_us(const struct mavlink_endpoint *self, uint8_t link);
 bool mavlink_send_bulk(const struct mavlink_context *context, uint8_t link,
                        const struct mavlink_kind *kind, const void *payload);
+
+/*
+ * Of the context's component's command that takes time (asserted that there is one): how much is
+ * done, 0…100, and what became of it, with COMMAND_ACK.result_param2. Each sends a frame; the
+ * outbox has room (asserted).
+ */
+void mavlink_command_progress(const struct mavlink_context *context, uint8_t percent);
+void mavlink_command_done(const struct mavlink_context *context, uint8_t result, int32_t detail);
 
 /* Tells a change on every link whose stream of an ON_CHANGE message is not off, soon. */
 void mavlink_changed(const struct mavlink_context *context);

@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 
 # id: (name, CRC_EXTRA, length without extensions); from MAVLink's common.xml as of mid 2026.
 EXPECTED = {
+    80: ("COMMAND_CANCEL", 14, 4),
     300: ("PROTOCOL_VERSION", 217, 22),
     345: ("PARAM_ERROR", 209, 21),
     396: ("COMPONENT_INFORMATION_BASIC", 50, 160),

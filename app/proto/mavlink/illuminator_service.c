@@ -19,13 +19,14 @@ _Static_assert((int)ILLUMINATOR_MODE_SYNC == (int)ILLUMINATOR_MODE_EXTERNAL_SYNC
 
 void mavlink_illuminator_init(struct mavlink_illuminator *self, struct illuminator *illuminator,
                               struct arbiter *arbiter, const struct mavlink_identity *identity,
-                              struct params *params)
+                              struct params *params, struct self_test *self_test)
 {
 	memset(self, 0, sizeof(*self));
 	self->illuminator = illuminator;
 	self->arbiter = arbiter;
 	self->identity = identity;
 	mavlink_params_init(&self->params, params);
+	mavlink_self_test_init(&self->self_test, self_test);
 #ifdef CONFIG_PHAROS_FTP
 	mavlink_ftp_init(&self->ftp, identity->files);
 #endif
@@ -40,7 +41,8 @@ void mavlink_illuminator_init(struct mavlink_illuminator *self, struct illuminat
 static void observe(const struct mavlink_context *context,
                     const struct illuminator_outbox *actions);
 
-static uint8_t apply(const struct mavlink_context *context, const struct illuminator_event *event)
+uint8_t mavlink_illuminator_apply(const struct mavlink_context *context,
+                                  const struct illuminator_event *event)
 {
 	const struct mavlink_illuminator *const self = context->component->service;
 	const int64_t now_us = context->now_us;
@@ -86,7 +88,7 @@ static uint8_t on_off(const struct mavlink_context *context, const struct mavlin
 		.on_off = enable != 0,
 	};
 
-	return apply(context, &event);
+	return mavlink_illuminator_apply(context, &event);
 }
 
 /* Half up. A percentage above 0 may round to 0 as brightness, but never as duty: see duty_of. */
@@ -168,7 +170,7 @@ static uint8_t configure(const struct mavlink_context *context,
 	event.configure.strobe_period_us = period.core;
 	event.configure.duty_ppm = duty.core;
 
-	const uint8_t result = apply(context, &event);
+	const uint8_t result = mavlink_illuminator_apply(context, &event);
 
 	if (result == MAV_RESULT_ACCEPTED) {
 		self->brightness = brightness;
@@ -182,6 +184,9 @@ static const struct mavlink_command_row commands[] = {
 	MAVLINK_COMMON_COMMANDS,
 	{.id = MAV_CMD_ILLUMINATOR_ON_OFF, .run = on_off},
 	{.id = MAV_CMD_DO_ILLUMINATOR_CONFIGURE, .run = configure},
+	{.id = MAV_CMD_USER_1, .run = mavlink_self_test_run, .cancel = mavlink_self_test_cancel},
+	{.id = MAV_CMD_PREFLIGHT_STORAGE, .run = mavlink_preflight_storage},
+	{.id = MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, .run = mavlink_preflight_reboot},
 };
 
 /* --- messages -------------------------------------------------------------------------------- */
@@ -390,6 +395,10 @@ static void param_set(const struct mavlink_context *context, const struct mavlin
 
 static const struct mavlink_receiver_row receivers[] = {
 	MAVLINK_COMMON_RECEIVERS,
+	{.id = MAVLINK_MSG_ID_COMMAND_CANCEL,
+         .target_system_offset = offsetof(mavlink_command_cancel_t, target_system),
+         .target_component_offset = offsetof(mavlink_command_cancel_t, target_component),
+         .receive = mavlink_command_cancel},
 	{.id = MAVLINK_MSG_ID_HEARTBEAT,
          .target_system_offset = MAVLINK_NO_TARGET,
          .target_component_offset = MAVLINK_NO_TARGET,
@@ -434,6 +443,9 @@ static bool step(const struct mavlink_context *context)
 {
 	struct mavlink_illuminator *const self = context->component->service;
 
+	if (!mavlink_self_test_step(&self->self_test, context)) {
+		return false;
+	}
 #ifdef CONFIG_PHAROS_FTP
 	if (!mavlink_ftp_step(&self->ftp, context)) {
 		return false;
@@ -445,7 +457,9 @@ static bool step(const struct mavlink_context *context)
 static int64_t deadline_us(const void *service)
 {
 	const struct mavlink_illuminator *const self = service;
-	int64_t due_us = mavlink_params_deadline_us(&self->params);
+	const int64_t list_us = mavlink_params_deadline_us(&self->params);
+	const int64_t test_us = mavlink_self_test_deadline_us(&self->self_test);
+	int64_t due_us = list_us < test_us ? list_us : test_us;
 
 #ifdef CONFIG_PHAROS_FTP
 	const int64_t files_us = mavlink_ftp_deadline_us(&self->ftp);

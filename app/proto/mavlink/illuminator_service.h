@@ -19,6 +19,7 @@
 #include "proto/mavlink/ftp.h"
 #include "proto/mavlink/identity.h"
 #include "proto/mavlink/param_service.h"
+#include "proto/mavlink/self_test_service.h"
 
 /* A number of the wire and what it means to the core. */
 struct mavlink_echo {
@@ -31,6 +32,7 @@ struct mavlink_illuminator {
 	struct arbiter *arbiter;
 	const struct mavlink_identity *identity;
 	struct mavlink_params params;
+	struct mavlink_self_test self_test;
 #ifdef CONFIG_PHAROS_FTP
 	struct mavlink_ftp ftp;
 #endif
@@ -45,6 +47,13 @@ extern const struct mavlink_profile mavlink_illuminator_profile;
 /* All outlive the service. */
 void mavlink_illuminator_init(struct mavlink_illuminator *self, struct illuminator *illuminator,
                               struct arbiter *arbiter, const struct mavlink_identity *identity,
-                              struct params *params);
+                              struct params *params, struct self_test *self_test);
+
+/*
+ * A command for the light: asks the arbiter, carries the event out, tells what follows. Returns a
+ * MAV_RESULT. From functions of the profile.
+ */
+uint8_t mavlink_illuminator_apply(const struct mavlink_context *context,
+                                  const struct illuminator_event *event);
 
 #endif

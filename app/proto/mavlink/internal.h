@@ -12,6 +12,8 @@
  */
 void mavlink_command_long(const struct mavlink_context *context, const struct mavlink_frame *frame);
 void mavlink_command_int(const struct mavlink_context *context, const struct mavlink_frame *frame);
+void mavlink_command_cancel(const struct mavlink_context *context,
+                            const struct mavlink_frame *frame);
 
 uint8_t mavlink_set_message_interval(const struct mavlink_context *context,
                                      const struct mavlink_command *command,
@@ -21,6 +23,15 @@ uint8_t mavlink_get_message_interval(const struct mavlink_context *context,
                                      struct mavlink_reply *reply);
 uint8_t mavlink_request_message(const struct mavlink_context *context,
                                 const struct mavlink_command *command, struct mavlink_reply *reply);
+
+/* --- preflight.c: commands of an illuminator that maintain it ------------------------------------
+ */
+uint8_t mavlink_preflight_reboot(const struct mavlink_context *context,
+                                 const struct mavlink_command *command,
+                                 struct mavlink_reply *reply);
+uint8_t mavlink_preflight_storage(const struct mavlink_context *context,
+                                  const struct mavlink_command *command,
+                                  struct mavlink_reply *reply);
 
 /* --- stream.c --------------------------------------------------------------------------------- */
 

@@ -24,6 +24,7 @@ struct mavlink_outbox_frame {
 struct mavlink_outbox {
 	struct illuminator_outbox core;
 	struct param_set params; /* that have changed: to put in force and to store */
+	bool reboot;             /* once the frames are out */
 	bool store_signing;      /* signing is to be stored */
 	uint8_t forward;         /* bit per link that the received frame goes on to, as it is */
 	uint16_t command;        /* that was carried out and acknowledged; 0: none */
@@ -38,6 +39,7 @@ static inline void mavlink_outbox_clear(struct mavlink_outbox *self)
 {
 	self->core.count = 0;
 	self->params = (struct param_set){0};
+	self->reboot = false;
 	self->store_signing = false;
 	self->forward = 0;
 	self->command = 0;

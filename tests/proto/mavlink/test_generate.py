@@ -41,14 +41,14 @@ def test_a_wheel_without_our_messages_keeps_all_of_them(tmp_path: Path) -> None:
     wheel = wheel_with(tmp_path, "")
     staged, dropped = generate.stage(DIALECT, wheel, tmp_path / "out")
     assert dropped == []
-    assert set(generate.parse_messages([staged])) == {300, 396, 397, 440}
+    assert set(generate.parse_messages([staged])) == {80, 300, 396, 397, 440}
 
 
 def test_what_a_newer_wheel_includes_is_dropped_and_named(tmp_path: Path) -> None:
     wheel = wheel_with(tmp_path, message_440())
     staged, dropped = generate.stage(DIALECT, wheel, tmp_path / "out")
     assert dropped == ["ILLUMINATOR_STATUS"]
-    assert set(generate.parse_messages([staged])) == {300, 396, 397}
+    assert set(generate.parse_messages([staged])) == {80, 300, 396, 397}
 
 
 def test_another_message_under_our_id_is_an_error(tmp_path: Path) -> None:

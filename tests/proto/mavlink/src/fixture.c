@@ -4,6 +4,7 @@
 struct illuminator light;
 struct arbiter arbiter;
 struct params device_params;
+struct self_test self_test;
 struct mavlink_illuminator service;
 struct mavlink_endpoint endpoint;
 struct mavlink_outbox out;
@@ -44,7 +45,8 @@ void fixture_before(void *unused)
 	illuminator_init(&light, &light_config);
 	arbiter_init(&arbiter, &arbiter_config);
 	params_init(&device_params);
-	mavlink_illuminator_init(&service, &light, &arbiter, &identity, &device_params);
+	mavlink_illuminator_init(&service, &light, &arbiter, &identity, &device_params, &self_test);
+	self_test_init(&self_test);
 	mavlink_endpoint_init(&endpoint, &config);
 	mavlink_endpoint_add(&endpoint, now_us, 243, &mavlink_illuminator_profile, &service);
 	memset(&out, 0xA5, sizeof(out));

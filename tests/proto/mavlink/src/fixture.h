@@ -21,6 +21,7 @@
 extern struct illuminator light;
 extern struct arbiter arbiter;
 extern struct params device_params;
+extern struct self_test self_test;
 extern struct mavlink_illuminator service;
 extern struct mavlink_endpoint endpoint;
 extern struct mavlink_outbox out;
