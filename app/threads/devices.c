@@ -19,6 +19,12 @@ LOG_MODULE_REGISTER(devices);
 #define CAN_LINK NULL
 #endif
 
+#ifdef CONFIG_PHAROS_IMC
+#define IMC_DATAGRAMS DEVICE_DT_GET_OR_NULL(DT_ALIAS(imc_datagrams0))
+#else
+#define IMC_DATAGRAMS NULL
+#endif
+
 #define UART_LINK(i_, _) DEVICE_DT_GET_OR_NULL(DT_ALIAS(uart_link##i_))
 
 _Static_assert(UART_LINKS_MAX > 3 || !DT_NODE_EXISTS(DT_ALIAS(uart_link3)), "every UART is used");
@@ -34,7 +40,7 @@ const struct devices devices = {
 	.probe = DEVICE_DT_GET_OR_NULL(DT_ALIAS(probe0)),
 	.can_link = CAN_LINK,
 	.edge_time = DEVICE_DT_GET_OR_NULL(DT_ALIAS(edge_time0)),
-	.imc_datagrams = DEVICE_DT_GET_OR_NULL(DT_ALIAS(imc_datagrams0)),
+	.imc_datagrams = IMC_DATAGRAMS,
 	.strap = DEVICE_DT_GET_OR_NULL(DT_ALIAS(strap0)),
 	.uart_links = {LISTIFY(UART_LINKS_MAX, UART_LINK, (, ))},
 	.sync_input = GPIO_DT_SPEC_GET_OR(DT_ALIAS(sync_input), gpios, {0}),

@@ -104,7 +104,9 @@ add_subdirectory(drivers/gpio_libgpiod)
 add_subdirectory(drivers/can_host)
 add_subdirectory(drivers/can_udp)
 add_subdirectory(drivers/can_socketcan)
-add_subdirectory(drivers/imc_udp)
+if(CONFIG_PHAROS_IMC)
+  add_subdirectory(drivers/imc_udp)
+endif()
 
 add_executable(app)
 set_target_properties(app PROPERTIES
