@@ -20,6 +20,12 @@
 #define RATE_MAX_RAD  34.9f
 #define RATE_MAX_DEG  2000.0f
 
+/* Places on the earth. */
+#define LAT_MAX_E7 900000000.0f
+#define LON_MAX_E7 1800000000.0f
+#define ALT_MAX_M  100000.0f
+#define MM_PER_M   1000.0f
+
 /* GMB_MNT_SIGN */
 #define SIGN_PITCH 1
 #define SIGN_YAW   2
@@ -60,7 +66,7 @@ void mavlink_gimbal_init(struct mavlink_gimbal *self, struct gimbal *gimbal,
 
 static uint8_t apply(const struct mavlink_context *context, const struct gimbal_event *event)
 {
-	const struct mavlink_gimbal *const self = context->component->service;
+	struct mavlink_gimbal *const self = context->component->service;
 
 	switch (arbiter_check(self->arbiter, context->now_us, ARBITER_SOURCE_MAVLINK)) {
 	case ARBITER_EXCLUDED:
@@ -74,6 +80,7 @@ static uint8_t apply(const struct mavlink_context *context, const struct gimbal_
 		return MAV_RESULT_DENIED;
 	}
 	arbiter_commit(self->arbiter, context->now_us, ARBITER_SOURCE_MAVLINK);
+	self->is_tracking = false;
 	return MAV_RESULT_ACCEPTED;
 }
 
@@ -99,6 +106,12 @@ static bool mount_input(float input, float stabilize, struct mavlink_mount_input
 	return true;
 }
 
+static bool mount_mode(float wire, uint32_t *mode)
+{
+	return mavlink_whole(wire, MAV_MOUNT_MODE_GPS_POINT, mode) &&
+	       *mode != MAV_MOUNT_MODE_RC_TARGETING;
+}
+
 /*
  * 204: mode, stabilize roll, pitch, yaw, then what 205's roll, pitch and yaw are; these three have
  * since left the definition. A mode of angles moves nothing yet.
@@ -114,8 +127,7 @@ static uint8_t mount_configure(const struct mavlink_context *context,
 	uint32_t mode;
 
 	(void)reply;
-	if (!mavlink_whole(param[0], MAV_MOUNT_MODE_MAVLINK_TARGETING, &mode) ||
-	    !mount_input(param[4], param[1], &roll) ||
+	if (!mount_mode(param[0], &mode) || !mount_input(param[4], param[1], &roll) ||
 	    !mount_input(param[5], param[2], &mount[GIMBAL_TILT]) ||
 	    !mount_input(param[6], param[3], &mount[GIMBAL_PAN])) {
 		return MAV_RESULT_DENIED;
@@ -143,6 +155,37 @@ static bool mount_aim(const struct mavlink_mount_input *mount, float wire, bool 
 	return true;
 }
 
+/* Latitude and longitude [deg * 10^7], altitude [m]; the vehicle's own place must be known. */
+static uint8_t track(const struct mavlink_context *context, const struct mavlink_command *command)
+{
+	struct mavlink_gimbal *const self = context->component->service;
+	const float *const param = command->param;
+	struct gimbal_event event;
+
+	if (!mavlink_is_within(param[4], LAT_MAX_E7) || !mavlink_is_within(param[5], LON_MAX_E7) ||
+	    !mavlink_is_within(param[3], ALT_MAX_M)) {
+		return MAV_RESULT_DENIED;
+	}
+
+	const struct mavlink_place target = {
+		.lat_e7 = mavlink_rounded(param[4]),
+		.lon_e7 = mavlink_rounded(param[5]),
+		.alt_mm = mavlink_rounded(param[3] * MM_PER_M),
+	};
+	if (mavlink_gimbal_is_missing(self, context->now_us, MAVLINK_GIMBAL_POSITION) ||
+	    !mavlink_gimbal_aim_at(&self->vehicle, &target, &event)) {
+		return MAV_RESULT_FAILED;
+	}
+
+	const uint8_t result = apply(context, &event);
+
+	if (result == MAV_RESULT_ACCEPTED) {
+		self->target = target;
+		self->is_tracking = true;
+	}
+	return result;
+}
+
 /* 205: pitch, roll, yaw [deg]; param7 is the mode. Roll is taken, and there is no axis for it. */
 static uint8_t mount_control(const struct mavlink_context *context,
                              const struct mavlink_command *command, struct mavlink_reply *reply)
@@ -153,8 +196,11 @@ static uint8_t mount_control(const struct mavlink_context *context,
 	uint32_t mode;
 
 	(void)reply;
-	if (!mavlink_whole(command->param[6], MAV_MOUNT_MODE_MAVLINK_TARGETING, &mode)) {
+	if (!mount_mode(command->param[6], &mode)) {
 		return MAV_RESULT_DENIED;
+	}
+	if (mode == MAV_MOUNT_MODE_GPS_POINT) {
+		return track(context, command);
 	}
 	if (mode == MAV_MOUNT_MODE_RETRACT) {
 		return apply(context, &retract);

@@ -12,7 +12,9 @@
  * known.
  *
  * 205 has degrees, in mode 2, with the signs that GMB_MNT_SIGN says; 204 before it may make them
- * rates, or count from horizon and north. There is no roll axis: roll is taken and is 0.
+ * rates, or count from horizon and north. In mode 4 it has a place, at which the beam stays pointed
+ * as the vehicle moves, until it is pointed otherwise. There is no roll axis: roll is taken and is
+ * 0.
  *
  * The vehicle's attitude comes with 286 or ATTITUDE, its position with GLOBAL_POSITION_INT. While
  * the vehicle is there and one of them does not come, it is asked for it every second.
@@ -35,6 +37,13 @@ enum mavlink_gimbal_datum {
 	MAVLINK_GIMBAL_DATA
 };
 
+/* WGS84, and the height over the sea. */
+struct mavlink_place {
+	int32_t lat_e7;
+	int32_t lon_e7;
+	int32_t alt_mm;
+};
+
 struct mavlink_gimbal_stats {
 	uint32_t set;      /* 284 that were carried out */
 	uint32_t bad;      /* messages with numbers of no meaning */
@@ -54,6 +63,9 @@ struct mavlink_gimbal {
 	const struct params *params;
 	const struct mavlink_identity *identity;
 	struct mavlink_mount_input mount[GIMBAL_AXES];
+	struct mavlink_place vehicle; /* of its last GLOBAL_POSITION_INT */
+	struct mavlink_place target;
+	bool is_tracking; /* the target */
 	struct mavlink_gimbal_stats stats;
 	int64_t heard_us[MAVLINK_GIMBAL_DATA]; /* -1: never */
 	int64_t vehicle_us;                    /* of its last heartbeat; -1: never */

@@ -12,6 +12,13 @@
 /* No vehicle counts its angles beyond two turns. */
 #define ANGLE_MAX_RAD 12.6f
 
+/* Degrees times 10^7: half a turn, a thousandth of a degree, and what one is on the ground. */
+#define HALF_TURN_E7 INT64_C(1800000000)
+#define E7_PER_MDEG  10000
+#define UM_PER_E7    11132 /* 40 075 km / 360 / 10^7 */
+/* No beam reaches farther: 1000 km. */
+#define FAR_MM       INT64_C(1000000000)
+
 _Static_assert(MAVLINK_OUTBOX_FRAMES >= 2 * MAVLINK_GIMBAL_DATA, "all requests fit at once");
 
 static bool is_from_vehicle(const struct mavlink_context *context)
@@ -77,14 +84,73 @@ void mavlink_gimbal_vehicle_attitude(const struct mavlink_context *context,
 	take_attitude(context, &attitude);
 }
 
+/* Nearer to ANGLE_ONE, so that no precision is lost, or no bits. */
+static int32_t scaled(int64_t value, int64_t largest)
+{
+	return (int32_t)(value * ANGLE_ONE / largest);
+}
+
+static int64_t larger(int64_t largest, int64_t value)
+{
+	const int64_t size = value < 0 ? -value : value;
+
+	return size > largest ? size : largest;
+}
+
+bool mavlink_gimbal_aim_at(const struct mavlink_place *from, const struct mavlink_place *to,
+                           struct gimbal_event *event)
+{
+	int64_t east_e7 = (int64_t)to->lon_e7 - from->lon_e7;
+	int32_t narrower = ANGLE_ONE; /* how much a degree of longitude is, by the cosine */
+	int32_t unused = 0;
+	int32_t level;
+	int32_t whole;
+
+	if (east_e7 > HALF_TURN_E7 || east_e7 < -HALF_TURN_E7) {
+		east_e7 += east_e7 > 0 ? -2 * HALF_TURN_E7 : 2 * HALF_TURN_E7;
+	}
+	angle_rotate(&narrower, &unused, from->lat_e7 / E7_PER_MDEG);
+
+	const int64_t north_mm = ((int64_t)to->lat_e7 - from->lat_e7) * UM_PER_E7 / 1000;
+	const int64_t east_mm = east_e7 * UM_PER_E7 / 1000 * narrower / ANGLE_ONE;
+	const int64_t up_mm = (int64_t)to->alt_mm - from->alt_mm;
+	const int64_t largest = larger(larger(larger(0, north_mm), east_mm), up_mm);
+
+	if (largest == 0 || largest > FAR_MM) {
+		return false;
+	}
+
+	const int32_t yaw_mdeg =
+		angle_of_mdeg(scaled(north_mm, largest), scaled(east_mm, largest), &level);
+	const int32_t pitch_mdeg = angle_of_mdeg(level, scaled(up_mm, largest), &whole);
+
+	*event = (struct gimbal_event){
+		.kind = GIMBAL_EVENT_AIM,
+		.aim =
+			{
+				[GIMBAL_PAN] = {GIMBAL_ANGLE, true, yaw_mdeg},
+				[GIMBAL_TILT] = {GIMBAL_ANGLE, true, pitch_mdeg},
+			},
+	};
+	return true;
+}
+
 void mavlink_gimbal_vehicle_position(const struct mavlink_context *context,
                                      const struct mavlink_frame *frame)
 {
 	struct mavlink_gimbal *const self = context->component->service;
+	mavlink_global_position_int_t wire;
+	struct gimbal_event event;
 
-	(void)frame;
-	if (is_from_vehicle(context)) {
-		self->heard_us[MAVLINK_GIMBAL_POSITION] = context->now_us;
+	if (!is_from_vehicle(context)) {
+		return;
+	}
+	mavlink_frame_payload(frame, &wire, sizeof(wire));
+	self->heard_us[MAVLINK_GIMBAL_POSITION] = context->now_us;
+	self->vehicle = (struct mavlink_place){wire.lat, wire.lon, wire.alt};
+	self->is_tracking = self->is_tracking && self->arbiter->commander == ARBITER_SOURCE_MAVLINK;
+	if (self->is_tracking && mavlink_gimbal_aim_at(&self->vehicle, &self->target, &event)) {
+		(void)gimbal_step(self->gimbal, context->now_us, &event);
 	}
 }
 
@@ -141,8 +207,8 @@ static void ask_for(const struct mavlink_context *context, uint8_t stream, uint1
 	(void)mavlink_send(context, self->vehicle_link, &command_kind, &command);
 }
 
-static bool is_missing(const struct mavlink_gimbal *self, int64_t now_us,
-                       enum mavlink_gimbal_datum datum)
+bool mavlink_gimbal_is_missing(const struct mavlink_gimbal *self, int64_t now_us,
+                               enum mavlink_gimbal_datum datum)
 {
 	const int64_t heard_us = self->heard_us[datum];
 
@@ -166,11 +232,11 @@ bool mavlink_gimbal_ask(const struct mavlink_context *context)
 	if (!mavlink_outbox_has_frames(context->out, 2 * MAVLINK_GIMBAL_DATA)) {
 		return false;
 	}
-	if (is_missing(self, now_us, MAVLINK_GIMBAL_ATTITUDE)) {
+	if (mavlink_gimbal_is_missing(self, now_us, MAVLINK_GIMBAL_ATTITUDE)) {
 		ask_for(context, MAV_DATA_STREAM_EXTRA1, MAVLINK_MSG_ID_ATTITUDE,
 		        MAVLINK_GIMBAL_ATTITUDE_HZ);
 	}
-	if (is_missing(self, now_us, MAVLINK_GIMBAL_POSITION)) {
+	if (mavlink_gimbal_is_missing(self, now_us, MAVLINK_GIMBAL_POSITION)) {
 		ask_for(context, MAV_DATA_STREAM_POSITION, MAVLINK_MSG_ID_GLOBAL_POSITION_INT,
 		        MAVLINK_GIMBAL_POSITION_HZ);
 	}

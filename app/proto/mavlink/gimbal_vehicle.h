@@ -12,6 +12,7 @@
 #define PHAROS_PROTO_MAVLINK_GIMBAL_VEHICLE_H
 
 #include "proto/mavlink/endpoint.h"
+#include "proto/mavlink/gimbal_service.h"
 
 /* Receivers of HEARTBEAT, 286, ATTITUDE and GLOBAL_POSITION_INT. */
 void mavlink_gimbal_heartbeat(const struct mavlink_context *context,
@@ -22,6 +23,17 @@ void mavlink_gimbal_vehicle_attitude(const struct mavlink_context *context,
                                      const struct mavlink_frame *frame);
 void mavlink_gimbal_vehicle_position(const struct mavlink_context *context,
                                      const struct mavlink_frame *frame);
+
+/*
+ * The event that points the beam from one place at another. The earth is flat enough for a beam.
+ * false: the places are one, or too far apart.
+ */
+bool mavlink_gimbal_aim_at(const struct mavlink_place *from, const struct mavlink_place *to,
+                           struct gimbal_event *event);
+
+/* Has the datum not come for MAVLINK_GIMBAL_DATA_LOST_US? */
+bool mavlink_gimbal_is_missing(const struct mavlink_gimbal *self, int64_t now_us,
+                               enum mavlink_gimbal_datum datum);
 
 /* The profile's step and deadline_us. */
 bool mavlink_gimbal_ask(const struct mavlink_context *context);

@@ -168,7 +168,7 @@ ZTEST(mavlink_gimbal, test_mount_configure_retracts_and_refuses)
 	pass(SECOND);
 	assert_at(0, 0);
 	zassert_equal(ORDER(204, NAN), MAV_RESULT_DENIED);
-	zassert_equal(ORDER(204, 4), MAV_RESULT_DENIED);
+	zassert_equal(ORDER(204, 3), MAV_RESULT_DENIED);
 	zassert_equal(ORDER(204, 2, 2), MAV_RESULT_DENIED);
 	zassert_equal(ORDER(204, 2, 0, 0.5f), MAV_RESULT_DENIED);
 	zassert_equal(ORDER(204, 2, 0, 0, 0, 0, 3), MAV_RESULT_DENIED);

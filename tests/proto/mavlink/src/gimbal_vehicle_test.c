@@ -142,3 +142,102 @@ ZTEST(mavlink_gimbal_vehicle, test_another_vehicle_is_not_asked)
 	(void)idle(5 * SECOND);
 	zassert_equal(its.stats.requests, 0);
 }
+
+/* --- places ----------------------------------------------------------------------------------- */
+
+/* The vehicle is at 47 N, 8 E, 500 m over the sea, heads north. */
+static void vehicle_at(int32_t lat, int32_t lon, int32_t alt)
+{
+	static const struct mavlink_kind kind = MAVLINK_KIND(GLOBAL_POSITION_INT);
+	const mavlink_global_position_int_t where = {.lat = lat, .lon = lon, .alt = alt};
+
+	say(1, 1, &kind, &where);
+	vehicle_attitude(0, 0, 0);
+}
+
+static void assert_near(int32_t pan_mdeg, int32_t tilt_mdeg)
+{
+	const struct direction own = gimbal_report(&gimbal, now_us).own;
+
+	zassert_within(own.yaw_mdeg, pan_mdeg, 100, "pan %d", own.yaw_mdeg);
+	zassert_within(own.pitch_mdeg, tilt_mdeg, 100, "tilt %d", own.pitch_mdeg);
+}
+
+/*
+ * Metres to degrees on a sphere of 40 075 km around: 1000 m of latitude are 0.0089832 degrees, of
+ * longitude at 47 degrees 0.0131718. A float has the numbers to 0.4 m.
+ */
+ZTEST(mavlink_gimbal_vehicle, test_mount_control_points_at_a_place)
+{
+	vehicle_at(470000000, 80000000, 500000);
+	/* 1000 m north and east, level */
+	zassert_equal(ORDER(205, 0, 0, 0, 500, 470089832, 80131718, 4), MAV_RESULT_ACCEPTED);
+	pass(SECOND / 2);
+	assert_near(45000, 0);
+	/* 200 m west, 100 m up: atan(1 / 2) */
+	zassert_equal(ORDER(205, 0, 0, 0, 600, 470000000, 79973656, 4), MAV_RESULT_ACCEPTED);
+	pass(SECOND * 9 / 10);
+	vehicle_attitude(0, 0, 0);
+	pass(SECOND * 9 / 10);
+	assert_near(-90000, 26565);
+}
+
+ZTEST(mavlink_gimbal_vehicle, test_the_beam_stays_on_the_place_while_the_vehicle_moves)
+{
+	vehicle_at(470000000, 80000000, 500000);
+	zassert_equal(ORDER(205, 0, 0, 0, 500, 470089832, 80131718, 4), MAV_RESULT_ACCEPTED);
+	pass(SECOND / 2);
+	vehicle_at(470000000, 80131718, 1500000); /* south of it, 1000 m higher */
+	pass(SECOND * 9 / 10);
+	assert_near(0, -45000);
+	zassert_equal(ORDER(205, 0, 0, 10, 0, 0, 0, 2), MAV_RESULT_ACCEPTED);
+	vehicle_at(470000000, 80000000, 500000);
+	pass(SECOND / 2);
+	assert_near(10000, 0); /* pointed otherwise, it stays there */
+}
+
+ZTEST(mavlink_gimbal_vehicle, test_another_source_ends_the_tracking)
+{
+	const struct gimbal_event neutral = {.kind = GIMBAL_EVENT_NEUTRAL};
+
+	vehicle_at(470000000, 80000000, 500000);
+	zassert_equal(ORDER(205, 0, 0, 0, 500, 470089832, 80131718, 4), MAV_RESULT_ACCEPTED);
+	pass(SECOND / 2);
+	gimbal_step(&gimbal, now_us, &neutral);
+	arbiter_commit(&gimbal_arbiter, now_us, ARBITER_SOURCE_SHELL);
+	vehicle_at(470000000, 80000000, 500000);
+	pass(SECOND);
+	assert_near(0, 0);
+}
+
+ZTEST(mavlink_gimbal_vehicle, test_places_that_are_none)
+{
+	static const float bad[] = {NAN, INFINITY, -INFINITY, 1.9e9f};
+
+	zassert_equal(ORDER(205, 0, 0, 0, 500, 470089832, 80131718, 4), MAV_RESULT_FAILED,
+	              "where the vehicle is, is not known");
+	vehicle_at(470000000, 80000000, 500000);
+	for (size_t i = 0; i < ARRAY_SIZE(bad); i++) {
+		zassert_equal(ORDER(205, 0, 0, 0, 500, bad[i], 8, 4), MAV_RESULT_DENIED);
+		zassert_equal(ORDER(205, 0, 0, 0, 500, 47, bad[i], 4), MAV_RESULT_DENIED);
+		zassert_equal(ORDER(205, 0, 0, 0, bad[i], 47, 8, 4), MAV_RESULT_DENIED);
+	}
+	zassert_equal(ORDER(205, 0, 0, 0, 500, 470000000, 80000000, 4), MAV_RESULT_FAILED,
+	              "the vehicle's own place");
+	zassert_equal(ORDER(205, 0, 0, 0, 500, -470000000, -80000000, 4), MAV_RESULT_FAILED,
+	              "the other side of the earth");
+	pass(SECOND);
+	assert_near(0, 0);
+	zassert_equal(ORDER(204, 4), MAV_RESULT_ACCEPTED);
+}
+
+/* At 180 degrees of longitude east goes on as west. */
+ZTEST(mavlink_gimbal_vehicle, test_a_place_across_the_date_line)
+{
+	vehicle_at(0, 1799990000, 0);
+	zassert_equal(ORDER(205, 0, 0, 0, 0, 0, -1799990000, 4), MAV_RESULT_ACCEPTED);
+	pass(SECOND * 9 / 10);
+	vehicle_attitude(0, 0, 0);
+	pass(SECOND / 2);
+	assert_near(90000, 0);
+}
