@@ -99,6 +99,7 @@ static void drain(void)
 		};
 		size_t length;
 
+		supervisor_report(SUPERVISOR_IMC_LINK);
 		stats.rx_datagrams++;
 		if (imc_verify(bytes, (size_t)size, &length) == IMC_OK) {
 			imc_link_post(&route, bytes, length, SUPERVISOR_IMC_LINK);

@@ -31,6 +31,7 @@ enum {
 	DISCOVERY_FIRST = 30100,
 	DISCOVERY_PORTS = 5,
 	DATAGRAM_MAX = 65536,
+	READ_BATCH = 32, /* then the device has its turn, however many there are */
 	UNREAD_MAX = 1 << 20, /* bytes; the rest is dropped and counted, as UDP does */
 	STAGED_MAX = 16 << 20,
 	SOCKET_BUFFER = 1 << 20,
@@ -192,11 +193,11 @@ static void take_in(const struct sockaddr_in *from, size_t length)
 	udp.kept.released += lockstep_enabled() ? 0 : 1;
 }
 
-static bool read_all(struct loop_source *source)
+static bool read_some(struct loop_source *source)
 {
 	bool some = false;
 
-	for (;;) {
+	for (int i = 0; i < READ_BATCH; i++) {
 		struct sockaddr_in from;
 		socklen_t size = sizeof(from);
 		const ssize_t length = recvfrom(source->fd, datagram, sizeof(datagram),
@@ -219,7 +220,7 @@ static bool read_all(struct loop_source *source)
 static void on_readable(struct loop_source *source, uint32_t events)
 {
 	(void)events;
-	if (read_all(source)) {
+	if (read_some(source)) {
 		loop_hot(source);
 	}
 }
@@ -407,7 +408,7 @@ static void listen_to(struct loop_source *source, int fd)
 {
 	source->fd = fd;
 	source->ready = on_readable;
-	source->again = read_all;
+	source->again = read_some;
 	loop_add(source, EPOLLIN);
 }
 
