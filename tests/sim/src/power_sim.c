@@ -137,7 +137,9 @@ static void a_year(struct dice *dice)
 	power_init(&power, (1u << CHANNELS) - 1u, at_start);
 	while (count < COMMANDS) {
 		/* no two at one instant: the oracle's times have no order among themselves */
-		const int64_t next_us = now_us + dice_between(dice, 1, 2 * YEAR_US / COMMANDS);
+		const int64_t gap_us =
+			dice_once_in(dice, 2) ? 2 * POWER_RESTART_US : 4 * YEAR_US / COMMANDS;
+		const int64_t next_us = now_us + dice_between(dice, 1, gap_us);
 		struct entry *const entry = &entries[count];
 
 		pass(&power, dice, &now_us, next_us, at_start);
@@ -146,7 +148,7 @@ static void a_year(struct dice *dice)
 			.channel = (uint32_t)dice_between(dice, 0, CHANNELS - 1),
 			.op = (enum power_op)(dice_next(dice) % POWER_OPS),
 			.delay_us = dice_between(
-				dice, 1, dice_once_in(dice, 2) ? YEAR_US : YEAR_US / COMMANDS),
+				dice, 1, dice_once_in(dice, 2) ? YEAR_US : POWER_RESTART_US),
 		};
 		count++;
 		zassert_true(
