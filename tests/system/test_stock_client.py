@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Programs from PyPI, as they come, in real time: these two tests alone see the host's clock."""
+"""Programs from PyPI, as they come, in real time."""
 
 from __future__ import annotations
 
-import contextlib
+import json
+import lzma
 import os
 import re
 import select
@@ -12,46 +13,19 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from harness import BINARY, BUILD
+from harness import BUILD
 from pharos import find_dialect, load_dialect
-from pharos.control import ControlClient
-
-LIMIT_S = 60.0
+from realtime import LIMIT_S, light_at
 
 
 @pytest.fixture
 def address(tmp_path: Path) -> Iterator[str]:
     """HOST:PORT of a light that runs in real time and listens over UDP."""
-    control = tmp_path / "control"
-    process = subprocess.Popen(
-        [str(BINARY), "--control", str(control), "--uart0", "udpin:127.0.0.1:0",
-         "--console", "none"],
-        stdin=subprocess.DEVNULL,
-    )  # fmt: skip
-    try:
-        yield str(_wires(process, control)["uart0"]["address"]).partition(":")[2]
-    finally:
-        process.kill()
-        process.wait()
-
-
-def _wires(process: subprocess.Popen[bytes], control: Path) -> dict[str, Any]:
-    end = time.monotonic() + LIMIT_S
-    while time.monotonic() < end:
-        try:
-            client = ControlClient(str(control))
-        except OSError:
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                raise AssertionError(f"the light ended with {process.wait(0.01)}") from None
-            continue
-        wires: dict[str, Any] = client.request("wires")["wires"]
-        client.close()
-        return wires
-    raise AssertionError("the light opened no control socket")
+    with light_at(tmp_path) as found:
+        yield found
 
 
 def _read_until(process: subprocess.Popen[bytes], pattern: str) -> str:
@@ -109,5 +83,28 @@ def test_mavutil_with_the_generated_dialect_decodes_status_and_information(addre
         )
         assert information is not None
         assert information.model_name
+    finally:
+        connection.close()
+
+
+@pytest.mark.realtime
+def test_pymavlinks_ftp_lists_and_fetches_files(address: str, tmp_path: Path) -> None:
+    from pymavlink import mavftp, mavutil
+
+    mavutil.mavlink = load_dialect(find_dialect(BUILD))
+    connection = mavutil.mavlink_connection(f"udpout:{address}", source_system=255)
+    try:
+        connection.mav.heartbeat_send(6, 8, 0, 0, 4)
+        assert connection.wait_heartbeat(timeout=LIMIT_S) is not None
+        ftp = mavftp.MAVFTP(connection, 1, 243)
+        listed = {entry.name: entry.size_b for entry in ftp.cmd_list(["/"]).directory_listing}
+        assert list(listed) == ["general.json", "parameters.json.xz"]
+        for name, size in listed.items():
+            ftp.cmd_get([name, str(tmp_path / name)])
+            assert ftp.process_ftp_reply("OpenFileRO", timeout=LIMIT_S).error_code == 0
+            assert (tmp_path / name).stat().st_size == size
+        table = json.loads(lzma.decompress((tmp_path / "parameters.json.xz").read_bytes()))
+        assert table["parameters"][0]["name"] == "LGT_CURVE"
+        assert ftp.cmd_rm(["general.json"]).error_code == 9  # FileProtected
     finally:
         connection.close()
