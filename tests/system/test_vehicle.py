@@ -55,7 +55,8 @@ def test_the_vehicles_system_id_is_adopted(light: Light, system: int) -> None:
     assert {m.get_srcSystem() for m in came} == {1}
     came = light.collect(2)
     assert f"System id is now the vehicle's: {system}" in texts(came)
-    assert system_of(light) == system
+    both = {(m.get_srcSystem(), m.get_srcComponent()) for m in light.collect(2)}
+    assert both == {(system, 243), (system, 154)}  # the illuminator and the gimbal
     assert light.mav.command_long(ON_OFF, 1, target=Target(system)).result == ACCEPTED
     with pytest.raises(SilentError):
         light.mav.command_long(ON_OFF, 0, target=Target(1))
