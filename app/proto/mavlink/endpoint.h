@@ -136,8 +136,8 @@ struct mavlink_profile {
 
 struct mavlink_stream {
 	int64_t next_us;
-	int64_t sent_us;
 	int32_t interval_us; /* MAVLINK_INTERVAL_OFF: silent */
+	uint32_t sent_us;    /* the low bits of the last time */
 };
 
 /* The command that takes time and isn't done; id 0: none. Who waits for its result. */

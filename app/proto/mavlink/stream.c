@@ -28,7 +28,7 @@ void mavlink_streams_reset(struct mavlink_component *component, int64_t now_us, 
 	for (uint8_t i = 0; i < component->profile->message_count; i++) {
 		component->streams[link][i] = (struct mavlink_stream){
 			.next_us = now_us,
-			.sent_us = now_us - MAVLINK_CHANGE_GAP_MIN_US,
+			.sent_us = (uint32_t)(now_us - MAVLINK_CHANGE_GAP_MIN_US),
 			.interval_us = component->profile->messages[i].interval_us,
 		};
 	}
@@ -105,7 +105,7 @@ static void stream_send(const struct mavlink_context *context,
 			(void)mavlink_send(context, context->link, &row->kind, payload.bytes);
 		}
 	}
-	stream->sent_us = context->now_us;
+	stream->sent_us = (uint32_t)context->now_us;
 	stream_advance(stream, context->now_us);
 }
 
@@ -194,11 +194,13 @@ void mavlink_changed(const struct mavlink_context *context)
 				continue;
 			}
 
-			int64_t at_us = stream->sent_us + MAVLINK_CHANGE_GAP_MIN_US;
+			/* The bits come again after 71 minutes: it is then told a little late. */
+			const uint32_t since_us = (uint32_t)context->now_us - stream->sent_us;
+			const int64_t at_us =
+				since_us < MAVLINK_CHANGE_GAP_MIN_US
+					? context->now_us + MAVLINK_CHANGE_GAP_MIN_US - since_us
+					: context->now_us;
 
-			if (at_us < context->now_us) {
-				at_us = context->now_us;
-			}
 			if (at_us < stream->next_us) {
 				stream->next_us = at_us;
 			}
