@@ -31,7 +31,7 @@ enum {
 	DISCOVERY_FIRST = 30100,
 	DISCOVERY_PORTS = 5,
 	DATAGRAM_MAX = 65536,
-	READ_BATCH = 32, /* then the device has its turn, however many there are */
+	READ_BATCH = 32,      /* then the device has its turn, however many there are */
 	UNREAD_MAX = 1 << 20, /* bytes; the rest is dropped and counted, as UDP does */
 	STAGED_MAX = 16 << 20,
 	SOCKET_BUFFER = 1 << 20,
