@@ -33,7 +33,7 @@
 #else
 #define MAVLINK_COMPONENTS_MAX 1
 #endif
-#define MAVLINK_MESSAGES_MAX 12
+#define MAVLINK_MESSAGES_MAX 10
 
 /* Frames that one received frame may cause: per component an answer and a message on each link. */
 #define MAVLINK_ACK_FRAME_MAX (MAVLINK_V2_FRAME_MIN + 10 + MAVLINK_SIGNATURE_BYTES)
