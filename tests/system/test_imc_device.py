@@ -98,6 +98,7 @@ def test_heat_wins(both: tuple[Light, ImcPeer]) -> None:
     light.sim.set(temp_mdegc=120_000)
     light.sim.advance(s=3)
     assert light.level_ppm() == 0
+    assert lamp_now(peer) == 0
     peer.send("SetLedBrightness", name="lamp", value=255)
     peer.send("SetPWM", id=0, period=1000, duty_cycle=1000)
     peer.send("RemoteActions", actions="Brightness=127")

@@ -14,6 +14,7 @@
 
 /* --- LEDs ------------------------------------------------------------------------------------- */
 
+/* Of the lamp as commanded, but 0 while heat keeps it dark: IMC has no flag that would tell. */
 static uint8_t led_value(const struct imc_actuation *self, const struct imc_map_row *row)
 {
 	const struct illuminator_settings *const lamp = &self->illuminator->settings;
@@ -21,8 +22,10 @@ static uint8_t led_value(const struct imc_actuation *self, const struct imc_map_
 	if (row->thing != IMC_THING_LAMP) {
 		return self->actuators.leds[row->number];
 	}
-	return lamp->enable ? (uint8_t)((lamp->brightness_ppm * LED_FULL + PPM_ONE / 2) / PPM_ONE)
-	                    : 0;
+	if (!lamp->enable || self->illuminator->thermal.state == THERMAL_STATE_SHUTDOWN) {
+		return 0;
+	}
+	return (uint8_t)((lamp->brightness_ppm * LED_FULL + PPM_ONE / 2) / PPM_ONE);
 }
 
 static void reply_led(const struct imc_actuation *self, const struct imc_turn *turn,

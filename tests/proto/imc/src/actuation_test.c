@@ -138,8 +138,12 @@ ZTEST(imc_actuation, test_heat_and_the_arbiter_win_over_a_brightness)
 	zassert_equal(set_led("lamp", 50), IMC_ACTUATION_REFUSED);
 	expect_led("lamp", 0);
 	arbiter_configure(&arbiter, &(struct arbiter_config){.excluded = 0});
+	zassert_equal(set_led("lamp", 50), IMC_ACTUATION_DONE);
 	illuminator_step(&light, 0, &hot, &ignored);
-	zassert_equal(set_led("lamp", 50), IMC_ACTUATION_REFUSED);
+	tell((struct imc_message){.id = IMC_QUERY_LED_BRIGHTNESS,
+	                          .query_led_brightness = {.name = text("lamp")}});
+	expect_led("lamp", 0);
+	zassert_equal(set_led("lamp", 60), IMC_ACTUATION_REFUSED);
 	expect_led("lamp", 0);
 }
 
