@@ -122,7 +122,7 @@ ZTEST(imc_actuation, test_indicator_and_unknown_leds)
 	zassert_equal(set_led("", 1), IMC_ACTUATION_UNKNOWN);
 	zassert_equal(actuation.stats.outcomes[IMC_ACTUATION_UNKNOWN], 3);
 	set_led("a\nlong name \xff that is cut off", 1);
-	zassert_str_equal(actuation.refusal.name, "a?long name ? t");
+	zassert_equal(strcmp(actuation.refusal.name, "a?long name ? t"), 0);
 }
 
 ZTEST(imc_actuation, test_heat_and_the_arbiter_win_over_a_brightness)

@@ -123,9 +123,10 @@ ZTEST(mavlink_ftp, test_listing_goes_on_where_an_answer_was_full)
 			zassert_equal(entry[0], 'F');
 			zassert_mem_equal(&entry[1], names[found], strlen(names[found]));
 			zassert_equal(entry[1 + strlen(names[found])], '\t');
-			zassert_str_equal(&entry[2 + strlen(names[found])], found == 0   ? "0"
-			                                                    : found == 1 ? "1000"
-			                                                                 : "1");
+			zassert_equal(strcmp(&entry[2 + strlen(names[found])], found == 0   ? "0"
+			                                                       : found == 1 ? "1000"
+			                                                                    : "1"),
+			              0);
 			at = (uint8_t)(at + strlen(entry) + 1);
 			found++;
 		}

@@ -88,7 +88,7 @@ ZTEST(core_image, test_a_wrong_file_is_refused_with_its_header)
 	memset(bytes, 0, sizeof(bytes));
 	zassert_equal(image_write(&image, bytes, IMAGE_HEADER_SIZE - 1), IMAGE_OK);
 	zassert_equal(image_write(&image, bytes, 1), IMAGE_NOT_AN_IMAGE);
-	zassert_str_equal(image_result_text(image.result), "not an image of MCUboot's");
+	zassert_equal(strcmp(image_result_text(image.result), "not an image of MCUboot's"), 0);
 }
 
 /* The whole image, its trailer included, fits to the byte. */
