@@ -26,6 +26,8 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line(
         "markers", "realtime: needs the host's clock; all else runs in virtual time"
     )
+    if harness.QEMU_IMAGE:
+        config.option.reportchars += "s"
     config.addinivalue_line("markers", "bus: over a CAN bus, whichever PHAROS_BUS names")
 
 
@@ -44,6 +46,12 @@ def pytest_runtest_makereport(
 def _binary() -> None:
     if not harness.BINARY.is_file():
         pytest.exit(f"{harness.BINARY}: no such file; run `make build` first", returncode=2)
+
+
+@pytest.fixture(autouse=True)
+def _wire_only(request: pytest.FixtureRequest) -> None:
+    if harness.QEMU_IMAGE and "start" not in request.fixturenames:
+        pytest.skip("needs the native port: runs its program or command itself")
 
 
 @pytest.fixture

@@ -17,6 +17,7 @@ from typing import Any
 from dronecan import uavcan
 
 from pharos import MavlinkConnection, Simulator, Source, Tunnel, find_dialect, load_dialect
+from qemu import QemuSimulator
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ.get("PHAROS_BUILD", ROOT / "build" / "native")).resolve()
@@ -60,7 +61,7 @@ FULL_PPM = 1_000_000
 SECOND_US = 1_000_000
 
 # What a UART can be, as the light's command line takes it.
-WIRES = {
+WIRES: dict[str, str] = {
     "udp": "udpin:127.0.0.1:0",
     "tcp": "tcpin:127.0.0.1:0",
     "pty": "pty:{folder}/uart0",
@@ -88,6 +89,11 @@ TRANSPORTS = {name: Transport("uart0", address) for name, address in WIRES.items
     "can": Transport("can0", BUS),
     "canfd": Transport("can0", BUS, fd=True),
 }
+
+# The same tests over the UART of a Zephyr image for mps2_an385, in QEMU.
+QEMU_IMAGE = os.environ.get("PHAROS_QEMU_IMAGE")
+if QEMU_IMAGE:
+    TRANSPORTS = {"qemu": Transport("uart0", "qemu")}
 
 # What 440 says of the settings; the rest is time and temperature.
 SETTINGS = (
@@ -121,6 +127,8 @@ class Light:
         self.mav.heartbeat()
         self.sim.advance(s=1)
         self.mav.recv("HEARTBEAT")
+        if QEMU_IMAGE:
+            self.sim.advance(500_000)  # code takes time there: away from the instants of streams
 
     def on(self) -> int:
         return int(self.mav.command_long(ON_OFF, 1).result)
@@ -202,13 +210,17 @@ def texts(messages: Sequence[Any]) -> list[str]:
 
 
 def simulator(wires: dict[str, str] | None = None, **kwargs: Any) -> Simulator:
-    return Simulator(BINARY, wires, dialect=load_dialect(find_dialect(BUILD)), **kwargs)
+    dialect = load_dialect(find_dialect(BUILD))
+    if QEMU_IMAGE:
+        return QemuSimulator(Path(QEMU_IMAGE), wires, dialect=dialect, **kwargs)
+    return Simulator(BINARY, wires, dialect=dialect, **kwargs)
 
 
 def light_on(
-    sim: Simulator, source: Source | None = None, transport: Transport = TRANSPORTS["udp"]
+    sim: Simulator, source: Source | None = None, transport: Transport | None = None
 ) -> Light:
-    """A client on a running simulator's wire of that transport."""
+    """A client on a running simulator's wire of that transport; without one, uart0."""
+    transport = transport or next(iter(TRANSPORTS.values()))
     light = Light(sim, connect(sim, transport, source), transport.wire)
     light.greet()
     return light

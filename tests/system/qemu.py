@@ -1,0 +1,338 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A Zephyr image in QEMU (mps2_an385) in place of the native light, over its UARTs.
+
+Time is the guest's, in lock-step: instructions are counted, an idle processor jumps to its next
+event, and a breakpoint where it goes idle stops it there. So nothing depends on the host's speed.
+Of a Simulator this has the wires `uart0` (MAVLink) and `console`, and time; a test that asks for
+more is skipped, and says what for.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import select
+import socket
+import struct
+import subprocess
+import termios
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+import pytest
+
+from pharos import Link, Simulator
+from pharos.errors import LinkError, SimulatorError
+from pharos.sim import Wire
+
+QEMU = "qemu-system-arm"
+# An instruction takes 2^3 ns, about what it does on a microcontroller of 170 MHz.
+MACHINE = ["-M", "mps2-an385", "-icount", "shift=3,align=off,sleep=off", "-rtc", "clock=vm"]
+HOST_TIMEOUT_S = 20.0
+BARRIER = bytes.fromhex("bff36f8f")  # isb
+
+# Arm's CMSDK UARTs of this machine: bit 1 of STATE says that a byte waits for the guest, bit 1 of
+# CTRL that the guest receives.
+UARTS = {"console": 0x40004000, "uart0": 0x40005000}
+UART_STATE, UART_CTRL = 4, 8
+UART_RX_FULL, UART_RX_ENABLE = 2, 2
+# The cycles of SysTick's driver.
+CYCLES_PER_US = 25
+CYCLES_WRAP = 1 << 32
+RAM_START = 0x20000000
+MEMORY_CHUNK = 1024
+
+
+def symbols(image: Path) -> dict[str, tuple[int, int]]:
+    """Address and size of an ELF file's symbols (32 bit, little endian)."""
+    data = image.read_bytes()
+    if data[:6] != b"\x7fELF\x01\x01":
+        raise SimulatorError(f"{image} is no image for a 32 bit processor")
+    table, size, count = struct.unpack_from("<I10xHH", data, 32)
+    sections = [struct.unpack_from("<10I", data, table + i * size) for i in range(count)]
+    found: dict[str, tuple[int, int]] = {}
+    for _, kind, _, _, start, length, link, _, _, entry in sections:
+        for offset in range(start, start + length, entry) if kind == 2 else ():  # SHT_SYMTAB
+            name, address, extent = struct.unpack_from("<III", data, offset)
+            at = sections[link][4] + name
+            text = data[at : data.index(b"\0", at)].decode()
+            found.setdefault(text, (address & ~1, extent) if extent else (address, 0))
+    return found
+
+
+def _connect(path: Path, process: subprocess.Popen[bytes]) -> socket.socket:
+    deadline = time.monotonic() + HOST_TIMEOUT_S
+    while True:
+        stream = socket.socket(socket.AF_UNIX)
+        try:
+            stream.connect(str(path))
+            return stream
+        except OSError as error:
+            stream.close()
+            if process.poll() is not None or time.monotonic() > deadline:
+                raise SimulatorError(f"{QEMU}: no {path.name}: {error}") from error
+            time.sleep(0.005)
+
+
+class Debugger:
+    """As much of GDB's remote protocol as it takes to run from one stop to the next."""
+
+    def __init__(self, stream: socket.socket) -> None:
+        self._stream = stream
+        self._buffer = b""
+        # Read while the guest runs: QEMU waits once some hundred bytes lie in a socket.
+        self.links: list[Link] = []
+        self.ask("qXfer:features:read:target.xml:0,ffb")  # else QEMU writes no registers
+
+    def ask(self, *requests: str) -> list[str]:
+        """The replies to requests that are sent together. QEMU takes the next request for the
+        acknowledgement of a reply; a "+" would stop a guest that runs already."""
+        packets = (f"${text}#{sum(text.encode()) & 0xFF:02x}" for text in requests)
+        self._stream.sendall("".join(packets).encode())
+        return [self._reply() for _ in requests]
+
+    def _reply(self) -> str:
+        while True:
+            start = self._buffer.find(b"$")
+            end = self._buffer.find(b"#", start)
+            if start >= 0 and 0 <= end <= len(self._buffer) - 3:
+                reply = self._buffer[start + 1 : end].decode()
+                self._buffer = self._buffer[end + 3 :]
+                return reply
+            filenos = {link.fileno(): link for link in self.links}
+            mine = self._stream.fileno()
+            ready = select.select([mine, *filenos], [], [], HOST_TIMEOUT_S)[0]
+            if not ready:
+                raise SimulatorError("the guest is never idle")
+            for fileno in set(ready) - {mine}:
+                filenos[fileno].poll(0.0)
+            if mine not in ready:
+                continue
+            more = self._stream.recv(4096)
+            if not more:
+                raise SimulatorError("QEMU has ended")
+            self._buffer += more
+
+    def words(self, *addresses: int) -> list[int]:
+        replies = self.ask(*(f"m{address:x},4" for address in addresses))
+        return [int(struct.unpack("<I", bytes.fromhex(reply))[0]) for reply in replies]
+
+    def go(self, program_counter: int) -> None:
+        """On from there to the next breakpoint."""
+        text = struct.pack("<I", program_counter).hex()
+        written, stopped = self.ask(f"Pf={text}", "c")
+        if written != "OK" or not stopped.startswith("T05"):
+            raise SimulatorError(f"the guest stopped with {written} {stopped}")
+
+    def close(self) -> None:
+        self._stream.close()
+
+
+class UartLink(Link):
+    """The other end of a guest's UART."""
+
+    def __init__(self, name: str, stream: socket.socket) -> None:
+        super().__init__()
+        self.name = name
+        self.taken = 0  # of what was sent, as far as the guest is known to have it
+        self._stream = stream
+        self._stream.settimeout(HOST_TIMEOUT_S)
+
+    def fileno(self) -> int:
+        return self._stream.fileno()
+
+    def _write(self, data: bytes) -> None:
+        self._stream.sendall(data)
+
+    def _read(self) -> bytes:
+        data = self._stream.recv(65536)
+        if not data:
+            raise LinkError(f"{self}: QEMU has ended")
+        return data
+
+    def unread(self) -> int:
+        """How much of what was sent QEMU has not taken yet; 0 only if nothing."""
+        (count,) = struct.unpack("i", fcntl.ioctl(self.fileno(), termios.TIOCOUTQ, b"\0" * 4))
+        return int(count)
+
+    def close(self) -> None:
+        self._stream.close()
+
+    def __str__(self) -> str:
+        return f"{self.name} of the guest"
+
+
+class QemuSimulator(Simulator):
+    """The image as a subprocess; what of a Simulator it has not is a skipped test."""
+
+    def __init__(
+        self,
+        image: Path,
+        wires: Mapping[str, str] | None = None,
+        *,
+        seed: int = 1,
+        options: Sequence[str] = (),
+        dialect: Any = None,
+    ) -> None:
+        for name in wires or {}:
+            if name not in UARTS:
+                pytest.skip(f"needs the native port: the image has no {name}")
+        if options:
+            pytest.skip("needs the native port: options on its command line")
+        super().__init__(image, seed=seed, dialect=dialect)
+        chardevs = {name: self.folder / name for name in ["gdb", *UARTS]}
+        self.command = [QEMU, *MACHINE, "-display", "none", "-monitor", "none", "-S"]
+        self.command += ["-d", "unimp", "-D", str(self.folder / "devices.log")]
+        for name, path in chardevs.items():
+            self.command += ["-chardev", f"socket,id={name},path={path},server=on,wait=off"]
+        self.command += ["-gdb", "chardev:gdb", "-serial", "chardev:console"]
+        self.command += ["-serial", "chardev:uart0", "-kernel", str(image)]
+        self._symbols = symbols(image)
+        self._links: dict[str, UartLink] = {}
+        self._debugger: Debugger | None = None
+        self._idle = 0
+        self._guest_cycles = 0
+        self._cycles_seen = 0
+
+    def start(self) -> Simulator:
+        with (self.folder / "qemu.log").open("wb") as log:
+            try:
+                self._process = subprocess.Popen(
+                    self.command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT
+                )
+            except OSError as error:
+                raise SimulatorError(f"{QEMU}: {error.strerror}: `apt install {QEMU}`?") from error
+        self._debugger = Debugger(_connect(self.folder / "gdb", self._process))
+        for name in UARTS:
+            self._links[name] = UartLink(name, _connect(self.folder / name, self._process))
+        self._debugger.links = list(self._links.values())
+        self._break_when_idle(self.address("arch_cpu_idle"))
+        return self
+
+    def stop(self) -> None:
+        super().stop()
+        if self._debugger is not None:
+            self._debugger.close()
+        for link in self._links.values():
+            link.close()
+
+    # --- time ---------------------------------------------------------------------------------
+    def _break_when_idle(self, idle: int) -> None:
+        """Stops at an instruction of that function that does nothing here, and goes on after it."""
+        assert self._debugger is not None
+        code = bytes.fromhex(self._debugger.ask(f"m{idle:x},40")[0])
+        at = idle + code.find(BARRIER)
+        if at < idle or self._debugger.ask(f"Z0,{at:x},2") != ["OK"]:
+            raise SimulatorError(f"{QEMU}: no breakpoint where {self.binary} is idle")
+        self._idle = at + len(BARRIER)
+        reset = self._debugger.ask("c")[0]
+        assert reset.startswith("T05"), reset
+
+    def _advance_once(self, us: int) -> None:
+        assert self._debugger is not None
+        self._now_us += us
+        received = {name: a.port.received for name, a in self._attached.items()}
+        while self._byte_for_guest() or self._next_event_us() <= self._now_us:
+            self._debugger.go(self._idle)
+        for attached in self._attached.values():
+            while attached.port.poll(0.0):
+                pass
+        came = [a.port.received - received[name] for name, a in self._attached.items()]
+        self._pace(us, max(came, default=0))
+
+    def _byte_for_guest(self) -> bool:
+        """Whether a byte for the guest lies in a UART; waits for QEMU to put it there."""
+        assert self._debugger is not None
+        deadline = time.monotonic() + HOST_TIMEOUT_S
+        for name, link in self._links.items():
+            if link.sent == link.taken:
+                continue
+            while True:
+                left = link.unread()
+                state, control = self._debugger.words(
+                    UARTS[name] + UART_STATE, UARTS[name] + UART_CTRL
+                )
+                if state & UART_RX_FULL:
+                    return True
+                if left == 0:
+                    link.taken = link.sent
+                    break
+                if not control & UART_RX_ENABLE:
+                    break
+                if time.monotonic() > deadline:
+                    raise SimulatorError(f"{link}: QEMU takes nothing")
+        return False
+
+    def _next_event_us(self) -> int:
+        """Board time at which an idle guest wakes by itself."""
+        assert self._debugger is not None
+        load, count = self._debugger.words(self.address("last_load"), self.address("cycle_count"))
+        self._guest_cycles += (count - self._cycles_seen) % CYCLES_WRAP
+        self._cycles_seen = count
+        return (self._guest_cycles + load) // CYCLES_PER_US
+
+    # --- wires --------------------------------------------------------------------------------
+    def wires(self) -> dict[str, Wire]:
+        return {
+            name: Wire(name, str(link), link.sent, link.received)
+            for name, link in self._links.items()
+        }
+
+    def open(self, name: str) -> Link:
+        if name not in self._links:
+            pytest.skip(f"needs the native port: the image has no {name}")
+        return self.attach(name, self._links[name])
+
+    def console(self) -> str:
+        link = self._links["console"]
+        if "console" not in self._attached:
+            while link.poll(0.0):
+                pass
+        return b"".join(link.inbox).decode(errors="replace")
+
+    # --- the guest from the inside, while it is idle ------------------------------------------
+    def address(self, symbol: str) -> int:
+        return self._symbols[symbol][0]
+
+    def objects(self) -> dict[str, tuple[int, int]]:
+        """Address and size of everything in RAM that has a name."""
+        return {n: at for n, at in self._symbols.items() if at[1] and at[0] >= RAM_START}
+
+    def memory(self, address: int, size: int) -> bytes:
+        assert self._debugger is not None
+        chunks = range(address, address + size, MEMORY_CHUNK)
+        ends = (min(at + MEMORY_CHUNK, address + size) for at in chunks)
+        asked = [f"m{at:x},{end - at:x}" for at, end in zip(chunks, ends, strict=True)]
+        return b"".join(bytes.fromhex(reply) for reply in self._debugger.ask(*asked))
+
+    def write(self, address: int, data: bytes) -> None:
+        assert self._debugger is not None
+        assert self._debugger.ask(f"M{address:x},{len(data):x}:{data.hex()}") == ["OK"]
+
+    def derail(self, inside: str, program_counter: int, until: str) -> bool:
+        """Goes on somewhere else at the next call of one function, with an argument of 0; whether
+        it gets to another one."""
+        assert self._debugger is not None
+        for name, start in ((inside, self._idle), (until, program_counter)):
+            assert self._debugger.ask(f"Z0,{self.address(name):x},2", "P0=00000000") == ["OK"] * 2
+            self._debugger.go(start)
+        (register,) = self._debugger.ask("pf")
+        return bool(struct.unpack("<I", bytes.fromhex(register))[0] == self.address(until))
+
+    def log(self) -> str:
+        """What QEMU said of devices that it does not have."""
+        path = self.folder / "devices.log"
+        return path.read_text(errors="replace") if path.exists() else ""
+
+    # --- what only the native port has ----------------------------------------------------------
+    def request(self, op: str, **fields: Any) -> NoReturn:
+        del fields
+        pytest.skip(f"needs the native port's control socket: {op}")
+
+    def bus(self, name: str = "can0") -> NoReturn:
+        pytest.skip(f"needs the native port: the image has no {name}")
+
+    def quit(self, timeout_s: float = 10.0) -> NoReturn:
+        del timeout_s
+        pytest.skip("needs the native port: to end the program")
