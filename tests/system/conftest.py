@@ -52,6 +52,12 @@ def _binary() -> None:
 def _wire_only(request: pytest.FixtureRequest) -> None:
     if harness.QEMU_IMAGE and "start" not in request.fixturenames:
         pytest.skip("needs the native port: runs its program or command itself")
+    if harness.QEMU_IMAGE and "gimbal" in request.node.nodeid:
+        pytest.skip("needs servos, which the board has not")
+    callspec = getattr(request.node, "callspec", None)
+    for value in callspec.params.values() if harness.QEMU_IMAGE and callspec else ():
+        if isinstance(value, str) and value in (*WIRES, "can", "canfd"):
+            pytest.skip(f"needs the native port: over {value}")
 
 
 @pytest.fixture
