@@ -200,7 +200,7 @@ class QemuSimulator(Simulator):
         self._links: dict[str, UartLink] = {}
         self._debugger: Debugger | None = None
         self._idle = 0
-        self._guest_us = 0
+        self._guest_now = 0
         self._guest_cycles = 0
         self._cycles_seen = 0
 
@@ -244,7 +244,7 @@ class QemuSimulator(Simulator):
         received = {name: a.port.received for name, a in self._attached.items()}
         while self._byte_for_guest() or self._next_event_us() <= self._now_us:
             self._debugger.go(self._idle)
-        self._now_us = max(self._now_us, self._guest_us)  # code takes time
+        self._now_us = max(self._now_us, self._guest_now // CYCLES_PER_US)  # code takes time
         for attached in self._attached.values():
             while attached.port.poll(0.0):
                 pass
@@ -282,7 +282,7 @@ class QemuSimulator(Simulator):
         )
         self._guest_cycles += (count - self._cycles_seen) % CYCLES_WRAP
         self._cycles_seen = count
-        self._guest_us = (self._guest_cycles + load - (left or load)) // CYCLES_PER_US
+        self._guest_now = self._guest_cycles + load - (left or load)
         return (self._guest_cycles + load) // CYCLES_PER_US
 
     # --- wires --------------------------------------------------------------------------------
