@@ -23,12 +23,8 @@ _running = pytest.StashKey[list[Simulator]]()
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    config.addinivalue_line(
-        "markers", "realtime: needs the host's clock; all else runs in virtual time"
-    )
     if harness.QEMU_IMAGE:
         config.option.reportchars += "s"
-    config.addinivalue_line("markers", "bus: over a CAN bus, whichever PHAROS_BUS names")
 
 
 @pytest.hookimpl(hookwrapper=True)
