@@ -171,7 +171,8 @@ ZTEST(mavlink_gimbal_vehicle, test_mount_control_points_at_a_place)
 {
 	vehicle_at(470000000, 80000000, 500000);
 	/* 1000 m north and east, level */
-	zassert_equal(ORDER(205, 0, 0, 0, 500, 470089832, 80131718, 4), MAV_RESULT_ACCEPTED);
+	zassert_equal(ORDER(205, 0, 0, 0, 500, (float)470089832, (float)80131718, 4),
+	              MAV_RESULT_ACCEPTED);
 	pass(SECOND / 2);
 	assert_near(45000, 0);
 	/* 200 m west, 100 m up: atan(1 / 2) */
@@ -185,7 +186,8 @@ ZTEST(mavlink_gimbal_vehicle, test_mount_control_points_at_a_place)
 ZTEST(mavlink_gimbal_vehicle, test_the_beam_stays_on_the_place_while_the_vehicle_moves)
 {
 	vehicle_at(470000000, 80000000, 500000);
-	zassert_equal(ORDER(205, 0, 0, 0, 500, 470089832, 80131718, 4), MAV_RESULT_ACCEPTED);
+	zassert_equal(ORDER(205, 0, 0, 0, 500, (float)470089832, (float)80131718, 4),
+	              MAV_RESULT_ACCEPTED);
 	pass(SECOND / 2);
 	vehicle_at(470000000, 80131718, 1500000); /* south of it, 1000 m higher */
 	pass(SECOND * 9 / 10);
@@ -201,7 +203,8 @@ ZTEST(mavlink_gimbal_vehicle, test_another_source_ends_the_tracking)
 	const struct gimbal_event neutral = {.kind = GIMBAL_EVENT_NEUTRAL};
 
 	vehicle_at(470000000, 80000000, 500000);
-	zassert_equal(ORDER(205, 0, 0, 0, 500, 470089832, 80131718, 4), MAV_RESULT_ACCEPTED);
+	zassert_equal(ORDER(205, 0, 0, 0, 500, (float)470089832, (float)80131718, 4),
+	              MAV_RESULT_ACCEPTED);
 	pass(SECOND / 2);
 	gimbal_step(&gimbal, now_us, &neutral);
 	arbiter_commit(&gimbal_arbiter, now_us, ARBITER_SOURCE_SHELL);
@@ -214,8 +217,8 @@ ZTEST(mavlink_gimbal_vehicle, test_places_that_are_none)
 {
 	static const float bad[] = {NAN, INFINITY, -INFINITY, 1.9e9f};
 
-	zassert_equal(ORDER(205, 0, 0, 0, 500, 470089832, 80131718, 4), MAV_RESULT_FAILED,
-	              "where the vehicle is, is not known");
+	zassert_equal(ORDER(205, 0, 0, 0, 500, (float)470089832, (float)80131718, 4),
+	              MAV_RESULT_FAILED, "where the vehicle is, is not known");
 	vehicle_at(470000000, 80000000, 500000);
 	for (size_t i = 0; i < ARRAY_SIZE(bad); i++) {
 		zassert_equal(ORDER(205, 0, 0, 0, 500, bad[i], 8, 4), MAV_RESULT_DENIED);
