@@ -238,7 +238,7 @@ ZTEST(mavlink_gimbal_vehicle, test_places_that_are_none)
 ZTEST(mavlink_gimbal_vehicle, test_a_place_across_the_date_line)
 {
 	vehicle_at(0, 1799990000, 0);
-	zassert_equal(ORDER(205, 0, 0, 0, 0, 0, -1799990000, 4), MAV_RESULT_ACCEPTED);
+	zassert_equal(ORDER(205, 0, 0, 0, 0, 0, (float)-1799990000, 4), MAV_RESULT_ACCEPTED);
 	pass(SECOND * 9 / 10);
 	vehicle_attitude(0, 0, 0);
 	pass(SECOND / 2);
