@@ -270,6 +270,8 @@ def test_json_has_no_nan(sim: Simulator) -> None:
 # --- finding the light ----------------------------------------------------------------------------
 def test_other_components_are_not_taken_for_the_light(sim: Simulator) -> None:
     light = Light(sim.connect("uart0"))
-    with pytest.raises(SilentError, match=r"no component 7/9 answered within 2 s; heard 1/154, 1/243"):
+    with pytest.raises(
+        SilentError, match=r"no component 7/9 answered within 2 s; heard 1/154, 1/243"
+    ):
         light.find(2_000_000, Target(7, 9))
     assert light.find() == Target(1, 243)
