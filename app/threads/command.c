@@ -204,6 +204,10 @@ static void configure_arbiter(void)
 /* Ids are in force after a reset. */
 void command_params_in_force(struct command *self, const struct param_set *changed)
 {
+	/* As after nearly every frame. */
+	if (param_set_is_empty(changed)) {
+		return;
+	}
 	if (param_set_touches(changed, PARAM_GROUP_LIGHT)) {
 		configure_illuminator();
 	}
@@ -224,9 +228,7 @@ void command_params_in_force(struct command *self, const struct param_set *chang
 	}
 	gimbal_node_configure(self, changed);
 	actuation_configure(&self->params, changed);
-	if (!param_set_is_empty(changed)) {
-		storage_save_params(&self->params, changed);
-	}
+	storage_save_params(&self->params, changed);
 }
 
 void command_params_changed(struct command *self, const struct param_set *changed)
