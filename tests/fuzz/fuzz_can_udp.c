@@ -7,25 +7,14 @@
  * the frame as it was; an accepted one is a valid frame, whose bits can be counted, and which is
  * written again as the same datagram but for flags that mean nothing.
  */
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "can_host/can_frame_time.h"
 #include "can_udp/can_udp_frame.h"
 
+#include "check.h"
+
 #define AT_FLAGS 4u
-
-#define require(condition)                                                                         \
-	do {                                                                                       \
-		if (!(condition)) {                                                                \
-			fprintf(stderr, "invariant: %s\n", #condition);                            \
-			abort();                                                                   \
-		}                                                                                  \
-	} while (0)
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 /* CRC16-CCITT bit by bit: not the decoder's own way. */
 static void make_right(uint8_t *datagram, size_t length)
@@ -48,16 +37,16 @@ static void check_frame(const struct can_host_frame *frame)
 {
 	struct can_frame_bits bits;
 
-	require(frame->id <= ((frame->flags & CAN_HOST_EXTENDED) != 0 ? CAN_HOST_EXT_ID_MAX
-	                                                              : CAN_HOST_STD_ID_MAX));
-	require(frame->length <=
-	        ((frame->flags & CAN_HOST_FD) != 0 ? CAN_HOST_DATA_MAX : CAN_HOST_CLASSIC_MAX));
+	CHECK(frame->id <= ((frame->flags & CAN_HOST_EXTENDED) != 0 ? CAN_HOST_EXT_ID_MAX
+	                                                            : CAN_HOST_STD_ID_MAX));
+	CHECK(frame->length <=
+	      ((frame->flags & CAN_HOST_FD) != 0 ? CAN_HOST_DATA_MAX : CAN_HOST_CLASSIC_MAX));
 	can_frame_count_bits(frame, &bits);
 	/* 64 bytes, stuffed after every fourth bit, and all that is around them */
-	require(bits.nominal >= 29 && bits.nominal + bits.data <= 64 * 10 + 128);
-	require(can_frame_time_ns(frame, 1000000, 8000000) > 0);
-	require(((frame->flags & CAN_HOST_EXTENDED) != 0) ==
-	        ((can_frame_priority(frame) >> 19 & 1u) != 0));
+	CHECK(bits.nominal >= 29 && bits.nominal + bits.data <= 64 * 10 + 128);
+	CHECK(can_frame_time_ns(frame, 1000000, 8000000) > 0);
+	CHECK(((frame->flags & CAN_HOST_EXTENDED) != 0) ==
+	      ((can_frame_priority(frame) >> 19 & 1u) != 0));
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
@@ -79,14 +68,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	memset(&frame, 0xA5, sizeof(frame));
 	untouched = frame;
 	if (!can_udp_decode(datagram, length, &frame)) {
-		require(memcmp(&frame, &untouched, sizeof(frame)) == 0);
+		CHECK(memcmp(&frame, &untouched, sizeof(frame)) == 0);
 		return 0;
 	}
 	check_frame(&frame);
 	datagram[AT_FLAGS] &= 1u;
 	datagram[AT_FLAGS + 1] = 0;
 	make_right(datagram, length);
-	require(can_udp_encode(&frame, again) == length);
-	require(memcmp(again, datagram, length) == 0);
+	CHECK(can_udp_encode(&frame, again) == length);
+	CHECK(memcmp(again, datagram, length) == 0);
 	return 0;
 }

@@ -7,18 +7,11 @@
  * has a reason; what is accepted is an object with a string "op", and reads the same when it is
  * written out and read again.
  */
-#include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "host/control.h"
 
-static void check(bool holds)
-{
-	if (!holds) {
-		abort();
-	}
-}
+#include "check.h"
 
 static void read_fields(json_t *request)
 {
@@ -29,15 +22,15 @@ static void read_fields(json_t *request)
 	bool boolean = false;
 
 	if (control_integer(&call, "us", 0, 1000, &integer)) {
-		check(integer >= 0 && integer <= 1000);
+		CHECK(integer >= 0 && integer <= 1000);
 	} else {
-		check(error.text[0] != '\0');
+		CHECK(error.text[0] != '\0');
 	}
 	error.text[0] = '\0';
-	check(control_string(&call, "kind", &string) == (string != NULL));
-	check((string == NULL) == (error.text[0] != '\0'));
+	CHECK(control_string(&call, "kind", &string) == (string != NULL));
+	CHECK((string == NULL) == (error.text[0] != '\0'));
 	error.text[0] = '\0';
-	check(control_bool(&call, "fan", &boolean) == (error.text[0] == '\0'));
+	CHECK(control_bool(&call, "fan", &boolean) == (error.text[0] == '\0'));
 }
 
 static void check_round_trip(json_t *request)
@@ -46,10 +39,10 @@ static void check_round_trip(json_t *request)
 	struct host_error error;
 	json_t *again;
 
-	check(text != NULL);
+	CHECK(text != NULL);
 	if (strlen(text) <= CONTROL_LINE_MAX) {
 		again = control_decode(text, strlen(text), &error);
-		check(again != NULL && json_equal(request, again));
+		CHECK(again != NULL && json_equal(request, again));
 		json_decref(again);
 	}
 	free(text);
@@ -61,11 +54,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	json_t *request = control_decode((const char *)data, size, &error);
 
 	if (request == NULL) {
-		check(error.text[0] != '\0');
+		CHECK(error.text[0] != '\0');
 		return 0;
 	}
-	check(size <= CONTROL_LINE_MAX);
-	check(json_is_string(json_object_get(request, "op")));
+	CHECK(size <= CONTROL_LINE_MAX);
+	CHECK(json_is_string(json_object_get(request, "op")));
 	read_fields(request);
 	check_round_trip(request);
 	json_decref(request);

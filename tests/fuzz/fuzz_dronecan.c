@@ -8,12 +8,10 @@
  * no assertion, frames that leave are well formed, deadlines lie ahead after a step, memory is
  * given back.
  */
-#include "core/assert.h"
 #include "proto/dronecan/endpoint.h"
 
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
+#include "check.h"
+
 #include <string.h>
 
 /* Ids with everything but the source: priority 20, to node 68 where it is a service. */
@@ -46,21 +44,6 @@ static const struct {
 /* Kinds of record: below, whole transfers; from here on frames, the last ones with any id. */
 #define KIND_FRAMES 0x60u
 #define KIND_ANY_ID 0xF0u
-
-_Noreturn void pharos_assert_failed(const char *file, int line)
-{
-	(void)file;
-	(void)line;
-	abort();
-}
-
-#define require(condition)                                                                         \
-	do {                                                                                       \
-		if (!(condition)) {                                                                \
-			fprintf(stderr, "invariant: %s\n", #condition);                            \
-			abort();                                                                   \
-		}                                                                                  \
-	} while (0)
 
 struct input {
 	const uint8_t *data;
@@ -125,11 +108,11 @@ static void drain(struct dronecan_endpoint *endpoint, int64_t now_us)
 	struct dronecan_frame frame;
 
 	for (int i = 0; dronecan_endpoint_next_frame(endpoint, now_us, &frame); i++) {
-		require(i < 4000);
-		require(frame.size >= 1 && frame.size <= (frame.fd ? 64 : 8));
-		require(frame.id <= 0x1FFFFFFF);
-		require((frame.id & 0x7F) == endpoint->transport.node_id);
-		require(!frame.fd || endpoint->transport.fd);
+		CHECK(i < 4000);
+		CHECK(frame.size >= 1 && frame.size <= (frame.fd ? 64 : 8));
+		CHECK(frame.id <= 0x1FFFFFFF);
+		CHECK((frame.id & 0x7F) == endpoint->transport.node_id);
+		CHECK(!frame.fd || endpoint->transport.fd);
 		dronecan_endpoint_frame_sent(endpoint);
 	}
 }
@@ -137,30 +120,30 @@ static void drain(struct dronecan_endpoint *endpoint, int64_t now_us)
 static void perform(struct dronecan_endpoint *endpoint, int64_t now_us,
                     const struct dronecan_outbox *out)
 {
-	require(out->node.count <= DRONECAN_NODE_OUTBOX_MAX);
-	require(out->lights.count <= DRONECAN_LIGHTS_OUTBOX_MAX);
+	CHECK(out->node.count <= DRONECAN_NODE_OUTBOX_MAX);
+	CHECK(out->lights.count <= DRONECAN_LIGHTS_OUTBOX_MAX);
 	for (uint8_t i = 0; i < out->lights.count; i++) {
 		const struct dronecan_lights_action *action = &out->lights.actions[i];
 
 		if (action->kind == DRONECAN_LIGHTS_EVENTS) {
-			require(action->events_count >= 1 && action->events_count <= 2);
-			require(action->events[0].kind != ILLUMINATOR_EVENT_BRIGHTNESS ||
-			        action->events[0].brightness_ppm <= PPM_ONE);
+			CHECK(action->events_count >= 1 && action->events_count <= 2);
+			CHECK(action->events[0].kind != ILLUMINATOR_EVENT_BRIGHTNESS ||
+			      action->events[0].brightness_ppm <= PPM_ONE);
 		} else {
-			require(action->position_ppm <= (int32_t)PPM_ONE &&
-			        action->position_ppm >= -(int32_t)PPM_ONE);
+			CHECK(action->position_ppm <= (int32_t)PPM_ONE &&
+			      action->position_ppm >= -(int32_t)PPM_ONE);
 		}
 	}
 	if (out->firmware.event == DRONECAN_FIRMWARE_BEGIN ||
 	    out->firmware.event == DRONECAN_FIRMWARE_BLOCK) {
-		require(out->firmware.event == DRONECAN_FIRMWARE_BEGIN ||
-		        (out->firmware.size <= 256 &&
-		         out->firmware.is_last == (out->firmware.size < 256)));
+		CHECK(out->firmware.event == DRONECAN_FIRMWARE_BEGIN ||
+		      (out->firmware.size <= 256 &&
+		       out->firmware.is_last == (out->firmware.size < 256)));
 		dronecan_firmware_next(&endpoint->firmware, now_us);
 	}
 	if (out->tunnel_received) {
-		require(out->tunnel.channel < DRONECAN_TUNNEL_CHANNELS);
-		require(out->tunnel.size <= DRONECAN_TUNNEL_CHUNK);
+		CHECK(out->tunnel.channel < DRONECAN_TUNNEL_CHANNELS);
+		CHECK(out->tunnel.size <= DRONECAN_TUNNEL_CHUNK);
 		/* An echo, so that the way back is exercised too. */
 		(void)dronecan_tunnel_write(&endpoint->tunnel, now_us, out->tunnel.channel,
 		                            out->tunnel.data, out->tunnel.size);
@@ -189,11 +172,9 @@ static void check_given_back(struct dronecan_endpoint *endpoint, int64_t now_us)
 	for (size_t i = 0; i < DRONECAN_RX_BUFFERS; i++) {
 		taken += endpoint->transport.buffer_taken[i] ? 1u : 0u;
 	}
-	require(taken <= 1);
-	require(dronecan_transport_room(&endpoint->transport) == DRONECAN_TX_TRANSFERS);
+	CHECK(taken <= 1);
+	CHECK(dronecan_transport_room(&endpoint->transport) == DRONECAN_TX_TRANSFERS);
 }
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
@@ -235,7 +216,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 		now_us += (int64_t)take(&input) * take(&input) * 100;
 		dronecan_endpoint_step(&endpoint, now_us, &out);
 		perform(&endpoint, now_us, &out);
-		require(dronecan_endpoint_deadline_us(&endpoint) > now_us);
+		CHECK(dronecan_endpoint_deadline_us(&endpoint) > now_us);
 		drain(&endpoint, now_us);
 	}
 	check_given_back(&endpoint, now_us + 3 * DRONECAN_TRANSFER_TIMEOUT_US);

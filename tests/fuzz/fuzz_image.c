@@ -7,31 +7,14 @@
  * bounds (sanitizers), no assertion; the result does not depend on the pieces; a whole image fits
  * its slot, and its hash covers no more than came.
  */
-#include "core/assert.h"
 #include "core/image.h"
 
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
+#include "check.h"
+
 #include <string.h>
 
 #define SLOT     4096u
 #define FILE_MAX 8192u
-
-_Noreturn void pharos_assert_failed(const char *file, int line)
-{
-	(void)file;
-	(void)line;
-	abort();
-}
-
-#define require(condition)                                                                         \
-	do {                                                                                       \
-		if (!(condition)) {                                                                \
-			fprintf(stderr, "invariant: %s\n", #condition);                            \
-			abort();                                                                   \
-		}                                                                                  \
-	} while (0)
 
 static enum image_result check(struct image *image, const uint8_t *data, size_t size, size_t piece)
 {
@@ -41,8 +24,6 @@ static enum image_result check(struct image *image, const uint8_t *data, size_t 
 	}
 	return image_finish(image);
 }
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
@@ -69,12 +50,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	}
 	const enum image_result result = check(&image, file, size, piece);
 
-	require(result == check(&whole, file, size, FILE_MAX));
-	require(image.offset == whole.offset || result != IMAGE_OK);
+	CHECK(result == check(&whole, file, size, FILE_MAX));
+	CHECK(image.offset == whole.offset || result != IMAGE_OK);
 	if (result == IMAGE_OK) {
-		require(image.offset == size && size <= SLOT);
-		require(image.hashed_size < size && image.has_hash);
-		require(memcmp(image.hash, whole.hash, IMAGE_HASH_SIZE) == 0);
+		CHECK(image.offset == size && size <= SLOT);
+		CHECK(image.hashed_size < size && image.has_hash);
+		CHECK(memcmp(image.hash, whole.hash, IMAGE_HASH_SIZE) == 0);
 	}
 	return 0;
 }

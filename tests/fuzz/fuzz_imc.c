@@ -17,29 +17,13 @@
 #include "proto/imc/endpoint.h"
 #include "proto/imc/stream.h"
 
-#include <stdio.h>
-#include <stdlib.h>
+#include "check.h"
+
 #include <string.h>
 
 #define STREAMS   2
 #define DATAGRAMS 4
 #define OWN_ID    0x8442
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
-#define CHECK(condition)                                                                           \
-	do {                                                                                       \
-		if (!(condition)) {                                                                \
-			fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);            \
-			abort();                                                                   \
-		}                                                                                  \
-	} while (0)
-
-void pharos_assert_failed(const char *file, int line)
-{
-	fprintf(stderr, "assertion failed: %s:%d\n", file, line);
-	abort();
-}
 
 struct script {
 	const uint8_t *at;

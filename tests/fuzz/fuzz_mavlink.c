@@ -24,25 +24,9 @@
 #include "proto/mavlink/gimbal_service.h"
 #include "proto/mavlink/illuminator_service.h"
 
-#include <stdio.h>
-#include <stdlib.h>
+#include "check.h"
+
 #include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
-#define CHECK(condition)                                                                           \
-	do {                                                                                       \
-		if (!(condition)) {                                                                \
-			fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);            \
-			abort();                                                                   \
-		}                                                                                  \
-	} while (0)
-
-void pharos_assert_failed(const char *file, int line)
-{
-	fprintf(stderr, "assertion failed: %s:%d\n", file, line);
-	abort();
-}
 
 struct script {
 	const uint8_t *at;
