@@ -499,11 +499,11 @@ void can_node_take(struct command *command, struct dronecan_frame *frame)
 	can_link_frame_free(frame);
 }
 
-static void flush(void)
+void can_node_flush(void)
 {
 	struct dronecan_frame frame;
 
-	while (dronecan_endpoint_next_frame(&endpoint, clock_now_us(), &frame)) {
+	while (to_send && dronecan_endpoint_next_frame(&endpoint, clock_now_us(), &frame)) {
 		if (!can_link_send(&frame)) {
 			return;
 		}
@@ -526,9 +526,6 @@ void can_node_step(struct command *command)
 	}
 	if (tunnels_up > 0) {
 		step_tunnels(command);
-	}
-	if (to_send) {
-		flush();
 	}
 }
 

@@ -42,9 +42,12 @@ void can_node_init(struct command *command);
 /* A frame from the CAN thread's pool, which gets it back. */
 void can_node_take(struct command *command, struct dronecan_frame *frame);
 
-/* What is due, then sends. After everything that the command thread does; cheap. */
+/* What is due. */
 void can_node_step(struct command *command);
 int64_t can_node_deadline_us(void);
+
+/* Sends what the bus takes now. After everything that the command thread does; cheap. */
+void can_node_flush(void);
 
 /* The lamp's state may be new: tell it. */
 void can_node_report(const struct illuminator *illuminator);
@@ -79,6 +82,10 @@ static inline void can_node_step(struct command *command)
 static inline int64_t can_node_deadline_us(void)
 {
 	return TIME_NEVER_US;
+}
+
+static inline void can_node_flush(void)
+{
 }
 
 static inline void can_node_report(const struct illuminator *illuminator)

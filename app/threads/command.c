@@ -435,28 +435,47 @@ static void step_self_test(void)
 	}
 }
 
+static int64_t next_deadline_us(void)
+{
+	const int64_t core_us =
+		MIN(arbiter_deadline_us(&command.arbiter), mavlink_node_deadline_us());
+	const int64_t bus_us = MIN(can_node_deadline_us(), imc_node_due_us());
+	const int64_t node_us = MIN(bus_us, gimbal_node_deadline_us(&command));
+	const int64_t work_us = MIN(node_us, self_test_deadline_us(&command.self_test));
+
+	return MIN(core_us, work_us);
+}
+
+static void step(void)
+{
+	step_arbiter();
+	step_self_test();
+	gimbal_node_step(&command);
+	mavlink_node_step(&command);
+	can_node_step(&command);
+	imc_node_poll(&command);
+}
+
 void command_run(void *p1, void *p2, void *p3)
 {
-	for (;;) {
-		const int64_t core_us =
-			MIN(arbiter_deadline_us(&command.arbiter), mavlink_node_deadline_us());
-		const int64_t bus_us = MIN(can_node_deadline_us(), imc_node_due_us());
-		const int64_t node_us = MIN(bus_us, gimbal_node_deadline_us(&command));
-		const int64_t work_us = MIN(node_us, self_test_deadline_us(&command.self_test));
-		const int64_t deadline_us = MIN(core_us, work_us);
-		const int64_t report_us = clock_now_us() + SUPERVISOR_REPORT_MS * US_PER_MS;
-		struct item item;
+	int64_t deadline_us = next_deadline_us();
 
-		if (k_msgq_get(&queue, &item, clock_timeout(MIN(deadline_us, report_us))) == 0) {
+	for (;;) {
+		const int64_t report_us = clock_now_us() + SUPERVISOR_REPORT_MS * US_PER_MS;
+		const k_timeout_t wait = clock_timeout(MIN(deadline_us, report_us));
+		struct item item = {.kind = ITEM_WAKE};
+
+		if (k_msgq_get(&queue, &item, wait) == 0) {
 			take(&item);
 		}
-		step_arbiter();
-		step_self_test();
+		deadline_us = next_deadline_us();
+		/* a frame changes nothing but what deadlines tell */
+		if (item.kind != ITEM_FRAME || deadline_us <= clock_now_us()) {
+			step();
+			deadline_us = next_deadline_us();
+		}
 		show_commander();
-		gimbal_node_step(&command);
-		mavlink_node_step(&command);
-		can_node_step(&command);
-		imc_node_poll(&command);
+		can_node_flush();
 		supervisor_report(SUPERVISOR_COMMAND);
 	}
 }

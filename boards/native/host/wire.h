@@ -28,7 +28,7 @@ enum {
 	WIRE_READ = 16384,          /* of a stream, in one read */
 	WIRE_STAGED_MAX = 16 << 20, /* lock-step: read and not yet released */
 	WIRE_BACKLOG_MAX = 1 << 20, /* of a stream: written, not yet taken by the host */
-	WIRE_BATCH = 16,            /* datagrams gathered before a flush */
+	WIRE_BATCH = 32,            /* datagrams gathered before a flush */
 	WIRE_BATCH_BYTES = 32768,
 	WIRE_DATAGRAM_MAX = 4096, /* longer writes are taken in part */
 	WIRE_COALESCE = 256,      /* single bytes gathered into one datagram */

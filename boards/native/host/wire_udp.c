@@ -20,7 +20,7 @@
 
 enum {
 	PEERS_MAX = 8,
-	READ_BATCH = 16,
+	READ_BATCH = 32,
 	SINGLES_MAX = 8, /* reads of one datagram before a batch is tried */
 	DATAGRAM_MAX = 65536,
 	SEND_BATCH = WIRE_BATCH,
