@@ -103,6 +103,10 @@ class OnlyQemu(dict[str, Transport]):
 QEMU_IMAGE = os.environ.get("PHAROS_QEMU_IMAGE")
 if QEMU_IMAGE:
     TRANSPORTS = OnlyQemu(qemu=Transport("uart0", "qemu"))
+# Who speaks on a wire: the illuminator, and the gimbal of a board with servos.
+COMPONENTS = (243,) if QEMU_IMAGE else (243, 154)
+# How much the clock may go on while a command is handled: the native port's code takes no time.
+CODE_TAKES_MS = 1 if QEMU_IMAGE else 0
 
 # What 440 says of the settings; the rest is time and temperature.
 SETTINGS = (

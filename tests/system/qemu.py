@@ -3,6 +3,12 @@
 
 Time is the guest's, in lock-step: instructions are counted, an idle processor jumps to its next
 event, and a breakpoint where it goes idle stops it there. So nothing depends on the host's speed.
+
+QEMU takes a processor that a breakpoint has stopped for an idle one, and its clock jumps to the
+next timer of any device before the stop is complete. So a timer that the image does not use ticks
+while code runs, which bounds that jump; and set to an instant, it is how an idle guest's clock
+gets there.
+
 Of a Simulator this has the wires `uart0` (MAVLink) and `console`, and time; a test that asks for
 more is skipped, and says what for.
 """
@@ -27,7 +33,7 @@ from pharos.errors import LinkError, SimulatorError
 from pharos.sim import Wire
 
 QEMU = "qemu-system-arm"
-# An instruction takes 2^3 ns, about what it does on a microcontroller of 170 MHz.
+# An instruction takes 2^3 = 8 ns, about what it does on a microcontroller of 170 MHz.
 MACHINE = ["-M", "mps2-an385", "-icount", "shift=3,align=off,sleep=off", "-rtc", "clock=vm"]
 HOST_TIMEOUT_S = 20.0
 BARRIER = bytes.fromhex("bff36f8f")  # isb
@@ -39,7 +45,12 @@ UART_STATE, UART_CTRL = 4, 8
 UART_RX_FULL, UART_RX_ENABLE = 2, 2
 # SysTick counts down to the next event; its driver counts the cycles until it began to.
 SYST_CVR = 0xE000E018
+ICSR, ICSR_PENDSTSET = 0xE000ED04, 1 << 26
 CYCLES_PER_US = 25
+# The first of Arm's CMSDK timers, at the same clock. Its interrupt stays disabled.
+TIMER = 0x40000000
+TIMER_CTRL, TIMER_VALUE, TIMER_RELOAD = TIMER, TIMER + 4, TIMER + 8
+INSTRUCTIONS_PER_CYCLE = 5  # of 40 ns
 CYCLES_WRAP = 1 << 32
 RAM_START = 0x20000000
 MEMORY_CHUNK = 1024
@@ -119,11 +130,16 @@ class Debugger:
         replies = self.ask(*(f"m{address:x},4" for address in addresses))
         return [int(struct.unpack("<I", bytes.fromhex(reply))[0]) for reply in replies]
 
-    def go(self, program_counter: int) -> None:
-        """On from there to the next breakpoint."""
-        text = struct.pack("<I", program_counter).hex()
-        written, stopped = self.ask(f"Pf={text}", "c")
-        if written != "OK" or not stopped.startswith("T05"):
+    def go(self, program_counter: int | None = None, *registers: tuple[int, int]) -> None:
+        """Writes those registers of devices (address, value), and goes on from there to the next
+        breakpoint; without a place, to the one that it stands at."""
+        requests = ["Qqemu.PhyMemMode:1"] if registers else []
+        requests += [f"M{at:x},4:{struct.pack('<I', value).hex()}" for at, value in registers]
+        requests += ["Qqemu.PhyMemMode:0"] if registers else []
+        if program_counter is not None:
+            requests.append(f"Pf={struct.pack('<I', program_counter).hex()}")
+        *written, stopped = self.ask(*requests, "c")
+        if set(written) - {"OK"} or not stopped.startswith("T05"):
             raise SimulatorError(f"the guest stopped with {written} {stopped}")
 
     def close(self) -> None:
@@ -154,13 +170,16 @@ class UartLink(Link):
         return data
 
     def unread(self) -> int:
-        """How much of what was sent QEMU has not taken yet; 0 only if nothing."""
+        """How much of what was handed to QEMU it has not taken yet."""
         (count,) = struct.unpack("i", fcntl.ioctl(self.fileno(), termios.TIOCOUTQ, b"\0" * 4))
-        if count == 0 and self._outgoing:
-            self._stream.sendall(self._outgoing[:64])
-            self._outgoing = self._outgoing[64:]
-            return 64
         return int(count)
+
+    def hand_over(self) -> bool:
+        """Hands the next byte to QEMU, if there is one. One by one: it would give the guest the
+        next at once, wherever the guest is by then."""
+        byte, self._outgoing = self._outgoing[:1], self._outgoing[1:]
+        self._stream.sendall(byte)
+        return bool(byte)
 
     def close(self) -> None:
         self._stream.close()
@@ -203,6 +222,10 @@ class QemuSimulator(Simulator):
         self._guest_now = 0
         self._guest_cycles = 0
         self._cycles_seen = 0
+        # Cycles by which a stop may be late; fewer take the host longer.
+        self.tick = 10 * CYCLES_PER_US
+        # When the guest woke and when it was idle again, each time, in cycles.
+        self.busy: list[tuple[int, int]] = []
 
     def start(self) -> Simulator:
         with (self.folder / "qemu.log").open("wb") as log:
@@ -235,16 +258,23 @@ class QemuSimulator(Simulator):
         if at < idle or self._debugger.ask(f"Z0,{at:x},2") != ["OK"]:
             raise SimulatorError(f"{QEMU}: no breakpoint where {self.binary} is idle")
         self._idle = at + len(BARRIER)
-        reset = self._debugger.ask("c")[0]
-        assert reset.startswith("T05"), reset
+        self._debugger.go(None, (TIMER_CTRL, 1), (TIMER_RELOAD, self.tick))
 
     def _advance_once(self, us: int) -> None:
         assert self._debugger is not None
         self._now_us += us
+        until = self._now_us * CYCLES_PER_US
         received = {name: a.port.received for name, a in self._attached.items()}
-        while self._byte_for_guest() or self._next_event_us() <= self._now_us:
-            self._debugger.go(self._idle)
-        self._now_us = max(self._now_us, self._guest_now // CYCLES_PER_US)  # code takes time
+        while (wakes := self._wakes_at()) <= until:
+            wakes = max(wakes, self._guest_now)
+            left = max(wakes - self._guest_now, self.tick)
+            self._debugger.go(self._idle, (TIMER_RELOAD, self.tick), (TIMER_VALUE, left))
+            self._wakes_at()
+            self.busy.append((wakes, self._guest_now))
+        if until > self._guest_now:
+            self._debugger.go(None, (TIMER_VALUE, until - self._guest_now))
+            self._wakes_at()
+        self._now_us = self._guest_now // CYCLES_PER_US  # code takes time
         for attached in self._attached.values():
             while attached.port.poll(0.0):
                 pass
@@ -265,7 +295,7 @@ class QemuSimulator(Simulator):
                 )
                 if state & UART_RX_FULL:
                     return True
-                if left == 0:
+                if left == 0 and not link.hand_over():
                     link.taken = link.sent
                     break
                 if not control & UART_RX_ENABLE:
@@ -274,16 +304,20 @@ class QemuSimulator(Simulator):
                     raise SimulatorError(f"{link}: QEMU takes nothing")
         return False
 
-    def _next_event_us(self) -> int:
-        """Board time at which an idle guest wakes by itself."""
+    def _wakes_at(self) -> int:
+        """Board time in cycles at which the idle guest wakes; 0 if there is a byte for it."""
         assert self._debugger is not None
-        load, count, left = self._debugger.words(
-            self.address("last_load"), self.address("cycle_count"), SYST_CVR
+        byte_waits = self._byte_for_guest()
+        load, count, left, state = self._debugger.words(
+            self.address("last_load"), self.address("cycle_count"), SYST_CVR, ICSR
         )
         self._guest_cycles += (count - self._cycles_seen) % CYCLES_WRAP
         self._cycles_seen = count
-        self._guest_now = self._guest_cycles + load - (left or load)
-        return (self._guest_cycles + load) // CYCLES_PER_US
+        event = self._guest_cycles + load
+        self._guest_now = event - (left or load)
+        if state & ICSR_PENDSTSET:  # it has wrapped already
+            self._guest_now += load
+        return 0 if byte_waits else event
 
     # --- wires --------------------------------------------------------------------------------
     def wires(self) -> dict[str, Wire]:

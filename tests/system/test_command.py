@@ -11,6 +11,7 @@ import pytest
 
 from harness import (
     ACCEPTED,
+    COMPONENTS,
     CONFIGURE,
     DENIED,
     FULL_PPM,
@@ -224,7 +225,7 @@ def test_sequence_numbers_on_a_link_have_no_gap(light: Light) -> None:
         light.status()
     light.sim.advance(s=300)
     light.mav.drain()
-    for component in (243, 154):
+    for component in COMPONENTS:
         sequence = [m.get_seq() for m in from_light(light.mav.history, component)]
         assert len(sequence) > 300
         assert {(b - a) % 256 for a, b in pairwise(sequence)} == {1}

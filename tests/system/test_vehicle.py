@@ -10,6 +10,7 @@ import pytest
 
 from harness import (
     ACCEPTED,
+    COMPONENTS,
     CONSOLE,
     ON_OFF,
     WIRES,
@@ -56,7 +57,7 @@ def test_the_vehicles_system_id_is_adopted(light: Light, system: int) -> None:
     came = light.collect(2)
     assert f"System id is now the vehicle's: {system}" in texts(came)
     both = {(m.get_srcSystem(), m.get_srcComponent()) for m in light.collect(2)}
-    assert both == {(system, 243), (system, 154)}  # the illuminator and the gimbal
+    assert both == {(system, component) for component in COMPONENTS}
     assert light.mav.command_long(ON_OFF, 1, target=Target(system)).result == ACCEPTED
     with pytest.raises(SilentError):
         light.mav.command_long(ON_OFF, 0, target=Target(1))
