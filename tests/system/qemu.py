@@ -357,6 +357,26 @@ class QemuSimulator(Simulator):
         assert self._debugger is not None
         assert self._debugger.ask(f"M{address:x},{len(data):x}:{data.hex()}") == ["OK"]
 
+    def step(self) -> int:
+        """Gives it the next byte and lets it run until it is idle, instruction by instruction; how
+        many there were."""
+        assert self._debugger is not None
+        assert self._wakes_at() == 0, "no byte"
+        here = self._idle
+        written = self._debugger.ask("Qqemu.sstep=1", f"Pf={struct.pack('<I', here).hex()}")
+        assert written == ["OK"] * 2
+        steps = 0
+        while here != self._idle - len(BARRIER):
+            assert self._debugger.ask("s")[0].startswith("T05")
+            here = self._program_counter()
+            steps += 1
+        return steps
+
+    def _program_counter(self) -> int:
+        assert self._debugger is not None
+        (register,) = self._debugger.ask("pf")
+        return int(struct.unpack("<I", bytes.fromhex(register))[0])
+
     def derail(self, inside: str, program_counter: int, until: str) -> bool:
         """Goes on somewhere else at the next call of one function, with an argument of 0; whether
         it gets to another one."""
@@ -364,8 +384,7 @@ class QemuSimulator(Simulator):
         for name, start in ((inside, self._idle), (until, program_counter)):
             assert self._debugger.ask(f"Z0,{self.address(name):x},2", "P0=00000000") == ["OK"] * 2
             self._debugger.go(start)
-        (register,) = self._debugger.ask("pf")
-        return bool(struct.unpack("<I", bytes.fromhex(register))[0] == self.address(until))
+        return self._program_counter() == self.address(until)
 
     def log(self) -> str:
         """What QEMU said of devices that it does not have."""
