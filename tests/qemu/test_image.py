@@ -8,6 +8,7 @@ import pytest
 from harness import ACCEPTED, REQUEST_MESSAGE, STATUS, Shell, light_on
 from qemu import QemuSimulator
 
+REBOOT = 246  # MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN
 # CONFIG_INIT_STACKS fills them with this.
 UNTOUCHED = 0xAA
 # At the bottom of each, for the MPU.
@@ -69,6 +70,18 @@ def _enable_writes(sim: QemuSimulator) -> list[int]:
         for line in sim.log().splitlines()
         if GPIO_DATA_OUT in line
     ]
+
+
+def test_clock_goes_on_over_a_reboot(sim: QemuSimulator) -> None:
+    light = light_on(sim)
+    sim.advance(s=10)
+    assert light.mav.command_long(REBOOT, 0, 0, 1).result == ACCEPTED
+    before = sim.now_us()
+    sim.advance(s=2)
+    assert sim.now_us() == before + 2_000_000
+    light.greet()
+    took = (sim.now_us() - before) // 1000
+    assert took - 1000 < light.status().uptime_ms <= took + 1, "it reboots within a second"
 
 
 @pytest.mark.parametrize("kind", ["fault", "assertion"])

@@ -52,6 +52,7 @@ TIMER = 0x40000000
 TIMER_CTRL, TIMER_VALUE, TIMER_RELOAD = TIMER, TIMER + 4, TIMER + 8
 INSTRUCTIONS_PER_CYCLE = 5  # of 40 ns
 CYCLES_WRAP = 1 << 32
+CYCLES_SLEEP_MAX = 1 << 25  # SysTick has 24 bits; more than this at once is a reset
 RAM_START = 0x20000000
 MEMORY_CHUNK = 1024
 
@@ -258,7 +259,7 @@ class QemuSimulator(Simulator):
         if at < idle or self._debugger.ask(f"Z0,{at:x},2") != ["OK"]:
             raise SimulatorError(f"{QEMU}: no breakpoint where {self.binary} is idle")
         self._idle = at + len(BARRIER)
-        self._debugger.go(None, (TIMER_CTRL, 1), (TIMER_RELOAD, self.tick))
+        self._debugger.go(None)
 
     def _advance_once(self, us: int) -> None:
         assert self._debugger is not None
@@ -268,11 +269,11 @@ class QemuSimulator(Simulator):
         while (wakes := self._wakes_at()) <= until:
             wakes = max(wakes, self._guest_now)
             left = max(wakes - self._guest_now, self.tick)
-            self._debugger.go(self._idle, (TIMER_RELOAD, self.tick), (TIMER_VALUE, left))
+            self._debugger.go(self._idle, *self._timer(left))
             self._wakes_at()
             self.busy.append((wakes, self._guest_now))
         if until > self._guest_now:
-            self._debugger.go(None, (TIMER_VALUE, until - self._guest_now))
+            self._debugger.go(None, *self._timer(until - self._guest_now))
             self._wakes_at()
         self._now_us = self._guest_now // CYCLES_PER_US  # code takes time
         for attached in self._attached.values():
@@ -280,6 +281,10 @@ class QemuSimulator(Simulator):
                 pass
         came = [a.port.received - received[name] for name, a in self._attached.items()]
         self._pace(us, max(came, default=0))
+
+    def _timer(self, first: int) -> list[tuple[int, int]]:
+        """Sets the timer, which a reset stops: in that many cycles, and at each tick from then."""
+        return [(TIMER_CTRL, 1), (TIMER_RELOAD, self.tick), (TIMER_VALUE, first)]
 
     def _byte_for_guest(self) -> bool:
         """Whether a byte for the guest lies in a UART; waits for QEMU to put it there."""
@@ -311,7 +316,11 @@ class QemuSimulator(Simulator):
         load, count, left, state = self._debugger.words(
             self.address("last_load"), self.address("cycle_count"), SYST_CVR, ICSR
         )
-        self._guest_cycles += (count - self._cycles_seen) % CYCLES_WRAP
+        passed = (count - self._cycles_seen) % CYCLES_WRAP
+        if passed > CYCLES_SLEEP_MAX:
+            self._guest_cycles = self._guest_now + count
+        else:
+            self._guest_cycles += passed
         self._cycles_seen = count
         event = self._guest_cycles + load
         self._guest_now = event - (left or load)
