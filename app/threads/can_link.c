@@ -121,11 +121,16 @@ static bool add_kind(const struct can_link_filter *wanted, uint8_t flags)
 	return true;
 }
 
-/* Where filters tell the kinds of frames apart, FD frames have filters of their own. */
+/*
+ * Where filters tell the kinds of frames apart, FD frames have filters of their own; where one can
+ * have but one kind, a bus with FD on carries FD frames.
+ */
 static bool add_filter(const struct can_link_filter *wanted)
 {
-	return add_kind(wanted, 0) &&
-	       (CAN_FILTER_FDF == 0 || !has_fd || add_kind(wanted, CAN_FILTER_FDF));
+	const bool fd = CAN_FILTER_FDF != 0 && has_fd;
+
+	return ((fd && PHAROS_CAN_FILTERS_EXCLUDE) || add_kind(wanted, 0)) &&
+	       (!fd || add_kind(wanted, CAN_FILTER_FDF));
 }
 
 static void remove_filters(void)

@@ -31,5 +31,12 @@
 #ifndef CAN_FILTER_FDF
 #define CAN_FILTER_FDF 0
 #endif
+/*
+ * Where it tells them apart, M_CAN's driver (STM32's FDCAN) looks at the first filter only that an
+ * id matches, so that two filters with the same ids, for both kinds, are no use: one of them.
+ */
+#ifndef PHAROS_CAN_FILTERS_EXCLUDE
+#define PHAROS_CAN_FILTERS_EXCLUDE (CAN_FILTER_FDF != 0 && IS_ENABLED(CONFIG_CAN_MCAN))
+#endif
 
 #endif
