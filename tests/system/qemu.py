@@ -309,6 +309,13 @@ class QemuSimulator(Simulator):
                     raise SimulatorError(f"{link}: QEMU takes nothing")
         return False
 
+    def reset(self) -> None:
+        """Resets processor and devices, as the line would. What was in RAM is lost, so are bytes
+        that the guest has not read."""
+        assert self._debugger is not None
+        self._debugger.go(self.address("sys_arch_reboot"))
+        self._wakes_at()
+
     def _wakes_at(self) -> int:
         """Board time in cycles at which the idle guest wakes; 0 if there is a byte for it."""
         assert self._debugger is not None
