@@ -36,6 +36,8 @@ struct light_request {
 	struct illuminator_event event;
 	enum illuminator_result result;
 	enum arbiter_verdict verdict;
+	uint32_t min_period_us;
+	uint32_t max_period_us;
 };
 
 static int apply(struct command *command, void *argument)
@@ -44,7 +46,20 @@ static int apply(struct command *command, void *argument)
 
 	request->verdict =
 		command_apply(command, ARBITER_SOURCE_SHELL, &request->event, &request->result);
+	request->min_period_us = command->illuminator.config.min_period_us;
+	request->max_period_us = command->illuminator.config.max_period_us;
 	return 0;
+}
+
+static void say_ranges(const struct shell *sh, const struct light_request *request)
+{
+	char shortest[FIXED_TEXT_MAX];
+	char longest[FIXED_TEXT_MAX];
+
+	fixed_format(shortest, request->min_period_us, US_PER_S_DECIMALS);
+	fixed_format(longest, request->max_period_us, US_PER_S_DECIMALS);
+	shell_error(sh, "out of range; nothing changed (0 to 100 %%, period 0 or %s to %s s)",
+	            shortest, longest);
 }
 
 /* Carries the event out and says what became of it. */
@@ -66,7 +81,7 @@ static int light_command(const struct shell *sh, const struct illuminator_event 
 		shell_print(sh, "ok");
 		return 0;
 	case ILLUMINATOR_DENIED:
-		shell_error(sh, "out of range; nothing changed (see: light status)");
+		say_ranges(sh, &request);
 		return -EINVAL;
 	case ILLUMINATOR_FAILED:
 		shell_error(sh, "not now: over temperature (see: thermal), or without power");

@@ -47,7 +47,7 @@ static int gimbal_command(const struct shell *sh, const struct gimbal_event *eve
 		shell_print(sh, "ok");
 		return 0;
 	case GIMBAL_DENIED:
-		shell_error(sh, "out of range; nothing changed");
+		shell_error(sh, "out of range; nothing changed (-360 to 360 degrees)");
 		return -EINVAL;
 	case GIMBAL_ABSENT:
 		shell_error(sh, "there is no gimbal (see: param get GMB_ENABLE)");

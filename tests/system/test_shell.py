@@ -48,7 +48,9 @@ def test_light_status_tells_the_state(both: tuple[Light, Shell]) -> None:
 def test_light_set_out_of_range_is_refused(both: tuple[Light, Shell]) -> None:
     light, shell = both
     light.configure(60)
-    assert shell("light set brightness 101").count("\n") >= 2
+    ranges = "out of range; nothing changed (0 to 100 %, period 0 or 0.01 to 10 s)"
+    for refused in ("brightness 101", "duty 100.1", "period 10.1", "period 0.009"):
+        assert ranges in shell(f"light set {refused}")
     assert light.status().brightness == 60.0
 
 
