@@ -3,7 +3,7 @@
 
     python tests/budget/image.py BUILD_FOLDER [--flash KIB] [--ram KIB]
 
-Reads zephyr/zephyr.map and zephyr/zephyr.elf of a Zephyr build folder, of any board. Fails where
+Reads zephyr/zephyr.map, zephyr.elf and .config of a Zephyr build folder, of any board. Fails where
 the image takes more than --flash or --ram, and where it has arithmetic in double precision,
 printf's floats or a heap in it.
 """
@@ -41,12 +41,14 @@ DEBUG = re.compile(r"\.(debug|comment|stab|ARM\.attributes)")
 # What is further from a region's origin is another region.
 REGION_MAX = 0x08000000
 
-# Double precision's helpers and all that takes memory at run time. Zephyr formats floats only in
-# those two; its heap is k_heap over a static buffer.
+# Double precision's helpers, the C library's printing of floats and all that takes memory at run
+# time. Zephyr's heap is k_heap over a static buffer.
 FORBIDDEN = re.compile(
-    r"^(__aeabi_(d\w+|cd\w+|[a-z]+2d)|__\w+df[23]|encode_float|_dtoa_r|_printf_float|"
+    r"^(__aeabi_(d\w+|cd\w+|[a-z]+2d)|__\w+df[23]|_dtoa_r|_printf_float|"
     r"malloc|calloc|realloc|_malloc_r|k_malloc|k_calloc|_sbrk)$"
 )
+# Zephyr's own printing of floats has no symbol: the compiler makes it part of its caller.
+PRINTS_FLOATS = "CONFIG_CBPRINTF_FP_SUPPORT"
 
 
 class ImageError(Exception):
@@ -120,9 +122,12 @@ def measure(folder: Path) -> Image:
     try:
         read_map((folder / "zephyr" / "zephyr.map").read_text(), image)
         names = symbols((folder / "zephyr" / "zephyr.elf").read_bytes())
+        config = (folder / "zephyr" / ".config").read_text()
     except OSError as error:
         raise ImageError(f"{error.filename}: {error.strerror}") from error
     image.forbidden = sorted(name for name in names if FORBIDDEN.match(name))
+    if f"{PRINTS_FLOATS}=y\n" in config:
+        image.forbidden.append(PRINTS_FLOATS)
     return image
 
 
