@@ -290,7 +290,7 @@ ZTEST(core_self_test, test_a_late_caller_finds_it_done)
 	zassert_false(light.plan.on);
 }
 
-ZTEST(core_self_test, test_the_illuminator_refuses_a_test_when_it_refuses_on)
+ZTEST(core_self_test, test_the_illuminator_refuses_the_sweep_when_it_refuses_on)
 {
 	const struct illuminator_event first = self_test_first();
 	const struct illuminator_event too_bright = {

@@ -205,7 +205,7 @@ ZTEST(core_strobe, test_change_that_comes_late_catches_up_first)
 	zassert_equal(strobe_deadline_us(&strobe), 5800);
 }
 
-ZTEST(core_strobe, test_time_going_back_is_a_bug)
+ZTEST(core_strobe, test_a_step_back_in_time_is_a_bug)
 {
 	set(1000, 1000, 300);
 	expect_assert();
