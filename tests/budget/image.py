@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What an image for a microcontroller takes of flash and RAM, the light's share apart.
 
-    python tests/budget/image.py BUILD_FOLDER [--flash KIB] [--ram KIB]
+    .venv/bin/python tests/budget/image.py BUILD_FOLDER [--flash KIB] [--ram KIB]
 
 Reads zephyr/zephyr.map, zephyr.elf and .config of a Zephyr build folder, of any board. Fails where
 the image takes more than --flash or --ram, and where it has arithmetic in double precision,
@@ -12,10 +12,12 @@ from __future__ import annotations
 
 import argparse
 import re
-import struct
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path
+
+from elftools.common.exceptions import ELFError
+from elftools.elf.elffile import ELFFile
 
 # The first that matches the archive or object that a section came from.
 GROUPS = (
@@ -101,30 +103,23 @@ def read_map(text: str, image: Image) -> None:
     )
 
 
-def symbols(data: bytes) -> list[str]:
-    """Names of an ELF file's defined functions (32 bit, little endian)."""
-    if data[:6] != b"\x7fELF\x01\x01":
-        raise ImageError("zephyr.elf is not for a 32 bit processor")
-    table, size, count = struct.unpack_from("<I10xHH", data, 32)
-    sections = [struct.unpack_from("<10I", data, table + i * size) for i in range(count)]
-    found = []
-    for _, kind, _, _, start, length, link, _, _, entry in sections:
-        for offset in range(start, start + length, entry) if kind == 2 else ():
-            name, _, _, info, _, where = struct.unpack_from("<IIIBBH", data, offset)
-            if where != 0 and info & 0xF == 2:  # STT_FUNC
-                at = sections[link][4] + name
-                found.append(data[at : data.index(b"\0", at)].decode())
-    return found
+def functions(path: Path) -> list[str]:
+    """Names of the functions in an ELF file."""
+    with path.open("rb") as file:
+        symbols = ELFFile(file).get_section_by_name(".symtab").iter_symbols()
+        return [symbol.name for symbol in symbols if symbol["st_info"]["type"] == "STT_FUNC"]
 
 
 def measure(folder: Path) -> Image:
     image = Image()
     try:
         read_map((folder / "zephyr" / "zephyr.map").read_text(), image)
-        names = symbols((folder / "zephyr" / "zephyr.elf").read_bytes())
+        names = functions(folder / "zephyr" / "zephyr.elf")
         config = (folder / "zephyr" / ".config").read_text()
     except OSError as error:
         raise ImageError(f"{error.filename}: {error.strerror}") from error
+    except ELFError as error:
+        raise ImageError(f"zephyr.elf: {error}") from error
     image.forbidden = sorted(name for name in names if FORBIDDEN.match(name))
     if f"{PRINTS_FLOATS}=y\n" in config:
         image.forbidden.append(PRINTS_FLOATS)

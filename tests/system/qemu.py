@@ -27,6 +27,8 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 import pytest
+from elftools.common.exceptions import ELFError
+from elftools.elf.elffile import ELFFile
 
 from pharos import Link, Simulator
 from pharos.errors import LinkError, SimulatorError
@@ -58,19 +60,15 @@ MEMORY_CHUNK = 1024
 
 
 def symbols(image: Path) -> dict[str, tuple[int, int]]:
-    """Address and size of an ELF file's symbols (32 bit, little endian)."""
-    data = image.read_bytes()
-    if data[:6] != b"\x7fELF\x01\x01":
-        raise SimulatorError(f"{image} is no image for a 32 bit processor")
-    table, size, count = struct.unpack_from("<I10xHH", data, 32)
-    sections = [struct.unpack_from("<10I", data, table + i * size) for i in range(count)]
+    """Address and size of an image's symbols; the first of each name."""
     found: dict[str, tuple[int, int]] = {}
-    for _, kind, _, _, start, length, link, _, _, entry in sections:
-        for offset in range(start, start + length, entry) if kind == 2 else ():  # SHT_SYMTAB
-            name, address, extent = struct.unpack_from("<III", data, offset)
-            at = sections[link][4] + name
-            text = data[at : data.index(b"\0", at)].decode()
-            found.setdefault(text, (address & ~1, extent) if extent else (address, 0))
+    try:
+        with image.open("rb") as file:
+            for symbol in ELFFile(file).get_section_by_name(".symtab").iter_symbols():
+                address, extent = symbol["st_value"], symbol["st_size"]
+                found.setdefault(symbol.name, (address & ~1 if extent else address, extent))
+    except ELFError as error:
+        raise SimulatorError(f"{image}: {error}") from error
     return found
 
 
