@@ -23,6 +23,9 @@
 
 #define BITS_PER_BYTE 10u /* start, 8 data, stop */
 
+/* While the thread wakes and takes that many, the rest of the ring fills. */
+#define RX_WANTED_MAX (UART_RX_RING_SIZE / 4)
+
 struct uart_link {
 	enum uart_protocol protocol;
 	struct ring_buf rx; /* the interrupt puts, the thread takes */
@@ -32,6 +35,7 @@ struct uart_link {
 	struct ring_buf forward; /* the same, of others' frames: taken while tx is empty */
 #endif
 	struct k_sem rx_ready;
+	atomic_t rx_wanted; /* bytes in the ring that wake the thread */
 	bool rx_stopped;
 	union {
 		struct mavlink_framer mavlink;
@@ -56,6 +60,14 @@ K_MEM_SLAB_DEFINE_STATIC(frame_pool, ROUND_UP(sizeof(struct link_frame), 8), LIN
 
 /* --- interrupt -------------------------------------------------------------------------------- */
 
+/* Waking the thread costs what several bytes do: only when the framing can say more. */
+static void wake_if_enough(struct uart_link *link)
+{
+	if (ring_buf_size_get(&link->rx) >= (uint32_t)atomic_get(&link->rx_wanted)) {
+		k_sem_give(&link->rx_ready);
+	}
+}
+
 /* A full ring stops reception until the thread has made room, so nothing is dropped here. */
 static void receive(const struct device *uart, struct uart_link *link)
 {
@@ -72,16 +84,17 @@ static void receive(const struct device *uart, struct uart_link *link)
 		ring_buf_put_finish(&link->rx, got > 0 ? (uint32_t)got : 0);
 		link->stats.rx_bytes += got > 0 ? (uint32_t)got : 0;
 	}
-	k_sem_give(&link->rx_ready);
+	wake_if_enough(link);
 }
 
 static bool take_from(struct uart_link *link, struct ring_buf *queue)
 {
 	uint16_t length;
 
-	if (ring_buf_get(queue, (uint8_t *)&length, sizeof(length)) == 0) {
+	if (ring_buf_is_empty(queue)) {
 		return false;
 	}
+	ring_buf_get(queue, (uint8_t *)&length, sizeof(length));
 	ring_buf_get(queue, link->sending, length);
 	link->sending_length = length;
 	link->sending_at = 0;
@@ -359,6 +372,16 @@ static bool pending(const struct uart_link *link)
 	return mavlink_framer_pending(&link->mavlink);
 }
 
+static size_t wanted(const struct uart_link *link)
+{
+#ifdef CONFIG_PHAROS_IMC
+	if (link->protocol == UART_PROTOCOL_IMC) {
+		return imc_stream_wanted(&link->imc);
+	}
+#endif
+	return mavlink_framer_wanted(&link->mavlink);
+}
+
 /* The line is silent: an unfinished frame was perhaps none, and hides good ones. */
 static void idle(uint8_t number, struct uart_link *link)
 {
@@ -371,11 +394,15 @@ static void idle(uint8_t number, struct uart_link *link)
 	idle_mavlink(number, link);
 }
 
-/* All bytes of the ring through the framing; room in the ring resumes reception. */
-static void drain(uint8_t number, struct uart_link *link)
+/*
+ * All bytes of the ring through the framing; room in the ring resumes reception. False: there were
+ * none.
+ */
+static bool drain(uint8_t number, struct uart_link *link)
 {
 	uint8_t *from;
 	uint32_t count;
+	bool any = false;
 
 	while ((count = ring_buf_get_claim(&link->rx, &from, UART_RX_RING_SIZE)) > 0) {
 		take_bytes(number, link, from, count);
@@ -384,7 +411,9 @@ static void drain(uint8_t number, struct uart_link *link)
 			link->rx_stopped = false;
 			uart_irq_rx_enable(devices.uart_links[number]);
 		}
+		any = true;
 	}
+	return any;
 }
 
 /* --- start and thread ------------------------------------------------------------------------- */
@@ -449,10 +478,14 @@ void uart_link_run(void *argument, void *p2, void *p3)
 		const k_timeout_t wait =
 			unfinished ? K_USEC(MAVLINK_FRAMER_IDLE_US) : K_MSEC(SUPERVISOR_REPORT_MS);
 
+		atomic_set(&link->rx_wanted, (atomic_val_t)MIN(wanted(link), RX_WANTED_MAX));
+		wake_if_enough(link); /* what came before the interrupt knew */
 		supervisor_report(SUPERVISOR_UART_LINK0 + number);
-		if (k_sem_take(&link->rx_ready, wait) == 0) {
-			drain(number, link);
-		} else if (unfinished) {
+
+		/* no byte while it waited: once or twice the idle time since the last */
+		const bool silent = k_sem_take(&link->rx_ready, wait) != 0;
+
+		if (!drain(number, link) && silent && unfinished) {
 			idle(number, link);
 		}
 	}

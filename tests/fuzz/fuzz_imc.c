@@ -171,12 +171,43 @@ static void write_all(uint8_t link, const uint8_t *bytes, size_t count)
 	}
 }
 
+/* A stream that gets bytes only when it has as many as it wanted finds the same packets as soon. */
+static void compare_wanted(const uint8_t *bytes, size_t size)
+{
+	static struct imc_stream eager;
+	static struct imc_stream patient;
+	struct imc_stream_packet packet;
+	size_t given = 0;
+
+	imc_stream_init(&eager);
+	imc_stream_init(&patient);
+	for (size_t come = 1; come <= size; come++) {
+		const size_t wanted = imc_stream_wanted(&patient);
+
+		CHECK(wanted >= 1 && wanted <= IMC_PACKET_MAX);
+		CHECK(imc_stream_write(&eager, bytes + come - 1, 1) == 1);
+		while (imc_stream_next(&eager, &packet)) {
+		}
+		if (come - given < wanted) {
+			CHECK(eager.stats.packets == patient.stats.packets);
+			continue;
+		}
+		while (given < come) {
+			given += imc_stream_write(&patient, bytes + given, come - given);
+			while (imc_stream_next(&patient, &packet)) {
+			}
+		}
+		CHECK(eager.stats.packets == patient.stats.packets);
+	}
+}
+
 static void raw(struct script *script, uint8_t link)
 {
 	const size_t left = (size_t)(script->end - script->at);
 	const size_t wanted = take(script);
 	const size_t count = wanted < left ? wanted : (left > 0 ? left - 1 : 0);
 
+	compare_wanted(script->at, count);
 	write_all(link, script->at, count);
 	script->at += count;
 }

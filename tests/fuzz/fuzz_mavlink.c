@@ -10,7 +10,8 @@
  *   op 11    a signing key is set or forgotten, routing turned on or off, links made secure
  *   op 12    a signed message follows, perhaps changed afterwards; it arrives twice
  *   op 13    SETUP_SIGNING follows
- *   op 14    bytes follow, for two framers of which one lets unknown messages out
+ *   op 14    bytes follow, for two framers of which one lets unknown messages out, and for two of
+ *            which one is given them as it wants them
  *
  * Holds after each: what is sent are whole, good frames of ours, rightly signed with rising
  * timestamps while there is a key; settings are in range, the gimbal within its limits; a command
@@ -353,6 +354,38 @@ static bool next_verified(struct mavlink_framer *framer, struct mavlink_frame *f
 	return false;
 }
 
+/* A framer that gets bytes only when it has as many as it wanted finds the same frames as soon. */
+static void compare_wanted(const uint8_t *bytes, size_t size, bool opaque)
+{
+	static struct mavlink_framer eager;
+	static struct mavlink_framer patient;
+	struct mavlink_frame frame;
+	size_t given = 0;
+
+	mavlink_framer_init(&eager);
+	mavlink_framer_init(&patient);
+	eager.opaque = opaque;
+	patient.opaque = opaque;
+	for (size_t come = 1; come <= size; come++) {
+		const size_t wanted = mavlink_framer_wanted(&patient);
+
+		CHECK(wanted >= 1 && wanted <= MAVLINK_FRAME_MAX);
+		CHECK(mavlink_framer_write(&eager, bytes + come - 1, 1) == 1);
+		while (mavlink_framer_next(&eager, &frame)) {
+		}
+		if (come - given < wanted) {
+			CHECK(eager.stats.frames == patient.stats.frames);
+			continue;
+		}
+		while (given < come) {
+			given += mavlink_framer_write(&patient, bytes + given, come - given);
+			while (mavlink_framer_next(&patient, &frame)) {
+			}
+		}
+		CHECK(memcmp(&eager.stats, &patient.stats, sizeof(eager.stats)) == 0);
+	}
+}
+
 /* What a router's framer verifies is what the other does, in its order, at most later. */
 static void compare_framers(struct script *script)
 {
@@ -364,7 +397,9 @@ static void compare_framers(struct script *script)
 	size_t behind = 0;
 	size_t count = 4u * take(script);
 	const size_t chunk = 1u + take(script);
+	const size_t left = (size_t)(script->end - script->at);
 
+	compare_wanted(script->at, count < left ? count : left, (chunk & 1) != 0);
 	mavlink_framer_init(&plain);
 	mavlink_framer_init(&router);
 	router.opaque = true;

@@ -246,6 +246,29 @@ def test_frame_after_a_false_start_is_found_by_rescanning(light: Light) -> None:
     assert len(acks) == 12
 
 
+@pytest.mark.parametrize("apart_us", [100, 40_000])
+def test_command_in_single_bytes_is_answered_with_its_last(light: Light, apart_us: int) -> None:
+    message = light.mav.dialect.MAVLink_command_long_message(1, 243, ON_OFF, 0, 1, *[0] * 6)
+    *first, last = light.mav.encode(message)
+    light.collect(0)
+    for byte in first:
+        light.mav.link.send(bytes([byte]))
+        assert of("COMMAND_ACK", light.mav.pass_time(apart_us)) == []
+    light.mav.link.send(bytes([last]))
+    assert len(of("COMMAND_ACK", light.mav.pass_time(1000))) == 1
+
+
+def test_command_in_single_bytes_behind_a_false_start_waits_for_silence(light: Light) -> None:
+    light.mav.link.send(b"\xfd\xff\x00\x00\x07\xff\xbe\x4c\x00\x00")
+    message = light.mav.dialect.MAVLink_command_long_message(1, 243, ON_OFF, 0, 1, *[0] * 6)
+    light.collect(0)
+    for byte in light.mav.encode(message):
+        light.mav.link.send(bytes([byte]))
+        assert of("COMMAND_ACK", light.mav.pass_time(20_000)) == []
+    # 50 ms of silence, counted from a byte or from when the line was last asked
+    assert len(of("COMMAND_ACK", light.mav.pass_time(100_000))) == 1
+
+
 def test_90_good_of_100_frames_with_10_wrong_lengths_are_answered(light: Light) -> None:
     light.collect(0)
     for index in range(100):

@@ -83,6 +83,15 @@ bool imc_stream_pending(const struct imc_stream *self)
 	return self->head < self->tail;
 }
 
+size_t imc_stream_wanted(const struct imc_stream *self)
+{
+	const size_t available = (size_t)(self->tail - self->head);
+	size_t length;
+
+	(void)imc_verify(self->window + self->head, available, &length);
+	return (length > 0 ? length : IMC_HEADER_SIZE + IMC_FOOTER_SIZE) - available;
+}
+
 bool imc_stream_idle(struct imc_stream *self, struct imc_stream_packet *packet)
 {
 	for (size_t at = (size_t)self->head + 1; at < self->tail; at++) {

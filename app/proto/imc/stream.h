@@ -61,6 +61,12 @@ bool imc_stream_next(struct imc_stream *self, struct imc_stream_packet *packet);
 bool imc_stream_pending(const struct imc_stream *self);
 
 /*
+ * How many bytes must come before imc_stream_next, which has returned false, can find a packet:
+ * 1…IMC_PACKET_MAX. With fewer it need not be asked.
+ */
+size_t imc_stream_wanted(const struct imc_stream *self);
+
+/*
  * The line is silent: looks for a whole packet behind the unfinished one. true: found, and the
  * unfinished one given up; go on with imc_stream_next. false: nothing changed.
  */

@@ -5,6 +5,8 @@
 
 #include <string.h>
 
+#define V2_FLAGS_END 3u /* a header's bytes up to the incompatibility flags */
+
 enum verdict {
 	VERDICT_FRAME,
 	VERDICT_INCOMPLETE,
@@ -68,13 +70,27 @@ static size_t claimed_length(const uint8_t *bytes)
 	       ((bytes[2] & MAVLINK_INCOMPAT_SIGNED) != 0 ? MAVLINK_SIGNATURE_BYTES : 0);
 }
 
+static size_t header_length(const uint8_t *bytes)
+{
+	return bytes[0] == MAVLINK_MAGIC_V2 ? MAVLINK_V2_HEADER : MAVLINK_V1_HEADER;
+}
+
+/* With how many bytes inspect() can say more than that it is incomplete with those available. */
+static size_t decides_at(const uint8_t *bytes, size_t available)
+{
+	if (bytes[0] == MAVLINK_MAGIC_V2 && available < V2_FLAGS_END) {
+		return V2_FLAGS_END;
+	}
+	return available < header_length(bytes) ? header_length(bytes) : claimed_length(bytes);
+}
+
 /* What begins at bytes, which has a magic byte first. Decides as early as the bytes allow. */
 static enum verdict inspect(const uint8_t *bytes, size_t available, struct mavlink_frame *frame)
 {
 	const bool v2 = bytes[0] == MAVLINK_MAGIC_V2;
-	const size_t header = v2 ? MAVLINK_V2_HEADER : MAVLINK_V1_HEADER;
+	const size_t header = header_length(bytes);
 
-	if (v2 && available > 2 && (bytes[2] & ~MAVLINK_INCOMPAT_SIGNED) != 0) {
+	if (v2 && available >= V2_FLAGS_END && (bytes[2] & ~MAVLINK_INCOMPAT_SIGNED) != 0) {
 		return VERDICT_NO_HEADER;
 	}
 	if (available < header) {
@@ -204,6 +220,22 @@ bool mavlink_framer_next(struct mavlink_framer *self, struct mavlink_frame *fram
 bool mavlink_framer_pending(const struct mavlink_framer *self)
 {
 	return self->head < self->tail;
+}
+
+size_t mavlink_framer_wanted(const struct mavlink_framer *self)
+{
+	const uint8_t *const head = self->window + self->head;
+	const size_t available = (size_t)(self->tail - self->head);
+	struct mavlink_frame frame;
+
+	if (available == 0) {
+		/* what was taken for a signature is none if this byte begins no frame */
+		return self->behind > 0 ? 1 : MAVLINK_V1_FRAME_MIN;
+	}
+	if (inspect(head, available, &frame) != VERDICT_INCOMPLETE) {
+		return 1; /* opaque: a frame that begins within it may end anywhere */
+	}
+	return decides_at(head, available) - available;
 }
 
 bool mavlink_framer_idle(struct mavlink_framer *self, struct mavlink_frame *frame)

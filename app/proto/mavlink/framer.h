@@ -69,6 +69,12 @@ bool mavlink_framer_next(struct mavlink_framer *self, struct mavlink_frame *fram
 bool mavlink_framer_pending(const struct mavlink_framer *self);
 
 /*
+ * How many bytes must come before mavlink_framer_next, which has returned false, can say more:
+ * 1…MAVLINK_FRAME_MAX. With fewer it need not be asked.
+ */
+size_t mavlink_framer_wanted(const struct mavlink_framer *self);
+
+/*
  * The line is silent: looks for a whole frame behind the unfinished one. true: found, and the
  * unfinished one given up; go on with mavlink_framer_next. false: nothing changed.
  */

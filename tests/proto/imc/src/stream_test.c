@@ -238,6 +238,46 @@ ZTEST(imc_stream, test_a_packet_inside_an_unknown_one_is_not_taken)
 	zassert_false(imc_stream_next(&stream, &found));
 }
 
+/* Given bytes only when it has as many as it wanted, it finds each packet with its last byte. */
+ZTEST(imc_stream, test_with_fewer_bytes_than_wanted_there_is_no_packet)
+{
+	static struct imc_stream patient;
+	struct imc_stream_packet packet;
+
+	for (size_t noises = 0; noises < 30; noises++) {
+		size_t given = 0;
+
+		before(NULL);
+		imc_stream_init(&patient);
+		append_vectors(0, VECTORS, noises);
+		for (size_t come = 1; come <= length; come++) {
+			const size_t wanted = imc_stream_wanted(&patient);
+
+			zassert_true(wanted >= 1 && wanted <= IMC_PACKET_MAX);
+			feed(bytes + come - 1, 1);
+			while (come - given >= wanted && given < come) {
+				given += imc_stream_write(&patient, bytes + given, come - given);
+				while (imc_stream_next(&patient, &packet)) {
+				}
+			}
+			zassert_equal(patient.stats.packets, stream.stats.packets, "byte %zu",
+			              come);
+		}
+		zassert_true(expected > 0);
+	}
+}
+
+ZTEST(imc_stream, test_wanted_is_what_a_packet_has_left)
+{
+	const struct imc_vector *const vector = &imc_vectors[0];
+
+	zassert_equal(imc_stream_wanted(&stream), 22, "header and footer");
+	feed(vector->little, 19);
+	zassert_equal(imc_stream_wanted(&stream), 3);
+	feed(vector->little + 19, 1);
+	zassert_equal(imc_stream_wanted(&stream), vector->length - 20u);
+}
+
 ZTEST(imc_stream, test_idle_without_a_packet_changes_nothing)
 {
 	const struct imc_vector *const vector = &imc_vectors[0];

@@ -262,6 +262,94 @@ ZTEST(mavlink_framer, test_idle_line_keeps_a_frame_that_is_still_coming)
 	zassert_equal(framer.stats.skipped_bytes, 0);
 }
 
+/*
+ * Noise, false starts, cut frames and whole ones, byte by byte: a framer that gets them only when
+ * it has as many as it wanted finds every frame with the same byte as one that gets each at once.
+ */
+static void check_wanted(const uint8_t *bytes, size_t count, bool opaque)
+{
+	static struct mavlink_framer patient;
+	struct mavlink_frame frame;
+	size_t given = 0;
+
+	mavlink_framer_init(&framer);
+	mavlink_framer_init(&patient);
+	framer.opaque = opaque;
+	patient.opaque = opaque;
+	for (size_t come = 1; come <= count; come++) {
+		const size_t wanted = mavlink_framer_wanted(&patient);
+
+		zassert_true(wanted >= 1 && wanted <= MAVLINK_FRAME_MAX);
+		feed(bytes + come - 1, 1, 1);
+		if (come - given >= wanted) {
+			zassert_equal(mavlink_framer_write(&patient, bytes + given, come - given),
+			              come - given);
+			given = come;
+			while (mavlink_framer_next(&patient, &frame)) {
+			}
+		}
+		zassert_equal(patient.stats.frames, framer.stats.frames, "byte %u",
+		              (unsigned int)come);
+	}
+	zassert_true(framer.stats.frames > 0);
+}
+
+ZTEST(mavlink_framer, test_with_fewer_bytes_than_wanted_there_is_no_frame)
+{
+	static uint8_t stream[40 * (sizeof(HEARTBEAT_SIGNED) + sizeof(COMMAND_ON_V2) + 12)];
+	uint32_t state = 362436069u;
+
+	for (int round = 0; round < 20; round++) {
+		size_t used = 0;
+
+		for (int i = 0; i < 40; i++) {
+			for (uint32_t k = random_next(&state) % 12; k > 0; k--) {
+				const uint32_t r = random_next(&state);
+
+				stream[used++] = r % 2 == 0 ? (uint8_t)(0xFD + (r >> 1 & 1))
+				                            : (uint8_t)(r >> 8 & 3);
+			}
+			const uint32_t r = random_next(&state);
+			const uint8_t *const frame = r % 3 == 0   ? COMMAND_ON_V1
+			                             : r % 3 == 1 ? COMMAND_ON_V2
+			                                          : HEARTBEAT_SIGNED;
+			const size_t length = r % 3 == 0   ? sizeof(COMMAND_ON_V1)
+			                      : r % 3 == 1 ? sizeof(COMMAND_ON_V2)
+			                                   : sizeof(HEARTBEAT_SIGNED);
+			/* whole, without what may be a signature, or somewhere */
+			const size_t cuts[] = {length, length, length - MAVLINK_SIGNATURE_BYTES,
+			                       (r >> 10) % length};
+			const size_t cut = cuts[r >> 8 & 3];
+
+			memcpy(stream + used, frame, cut);
+			used += cut;
+		}
+		check_wanted(stream, used, false);
+		check_wanted(stream, used, true);
+	}
+}
+
+ZTEST(mavlink_framer, test_wanted_is_what_a_frame_has_left)
+{
+	/* MAVLink 2: flags with the third byte, the id with the tenth, then the claimed length. */
+	zassert_equal(mavlink_framer_wanted(&framer), 8,
+	              "the shortest of all: version 1, no payload");
+	feed(COMMAND_ON_V2, 1, 1);
+	zassert_equal(mavlink_framer_wanted(&framer), 2);
+	feed(COMMAND_ON_V2 + 1, 2, 1);
+	zassert_equal(mavlink_framer_wanted(&framer), 7);
+	feed(COMMAND_ON_V2 + 3, 7, 1);
+	zassert_equal(mavlink_framer_wanted(&framer), sizeof(COMMAND_ON_V2) - 10);
+	zassert_equal(feed(COMMAND_ON_V2 + 10, sizeof(COMMAND_ON_V2) - 10, 1), 1);
+	feed(COMMAND_ON_V1, 2, 1);
+	zassert_equal(mavlink_framer_wanted(&framer), 4, "version 1: the id with the sixth");
+	feed(COMMAND_ON_V1 + 2, 4, 1);
+	zassert_equal(mavlink_framer_wanted(&framer), sizeof(COMMAND_ON_V1) - 6);
+	feed(COMMAND_ON_V1 + 6, sizeof(COMMAND_ON_V1) - 6, 1);
+	feed(HEARTBEAT_SIGNED, sizeof(HEARTBEAT_SIGNED), 1);
+	zassert_equal(mavlink_framer_wanted(&framer), 1, "it may show that this was no signature");
+}
+
 ZTEST(mavlink_framer, test_reserve_always_has_room_when_drained)
 {
 	struct mavlink_frame frame;
