@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 #
-# Before find_package(Zephyr): the module in this repository, and Zephyr's version for devicetree
-# overlays, as ZV: 304 for 3.4, 402 for 4.2.
+# Before find_package(Zephyr): the module and the boards in this repository, and Zephyr's version for
+# devicetree overlays, as ZV: 304 for 3.4, 402 for 4.2.
 
 get_filename_component(PHAROS_ROOT ${CMAKE_CURRENT_LIST_DIR}/.. ABSOLUTE)
 list(APPEND ZEPHYR_EXTRA_MODULES ${PHAROS_ROOT})
@@ -18,3 +18,14 @@ list(GET PHAROS_ZEPHYR_VERSION 0 PHAROS_ZEPHYR_MAJOR)
 list(GET PHAROS_ZEPHYR_VERSION 1 PHAROS_ZEPHYR_MINOR)
 math(EXPR PHAROS_ZV "${PHAROS_ZEPHYR_MAJOR} * 100 + ${PHAROS_ZEPHYR_MINOR}")
 list(APPEND DTS_EXTRA_CPPFLAGS "-DZV=${PHAROS_ZV}")
+
+# From 4.4 a board.yml must have a full_name, which 3.7 refuses; and one bad board.yml in a root
+# stops the build of any board.
+set(PHAROS_BOARD_ROOT ${PHAROS_ROOT})
+if(PHAROS_ZV GREATER_EQUAL 404)
+  set(PHAROS_BOARD_ROOT ${CMAKE_BINARY_DIR}/pharos)
+  file(COPY ${PHAROS_ROOT}/boards/arm DESTINATION ${PHAROS_BOARD_ROOT}/boards)
+  file(APPEND ${PHAROS_BOARD_ROOT}/boards/arm/pharos_lamp/board.yml
+    "  full_name: Pharos example lamp\n")
+endif()
+list(APPEND BOARD_ROOT ${PHAROS_BOARD_ROOT})

@@ -9,12 +9,13 @@
 #include <zephyr/sys/printk.h>
 #include <zephyr/sys/reboot.h>
 
+#include <pharos/compat.h>
 #include <pharos/drivers/light.h>
 
 #include "core/assert.h"
 #include "threads/devices.h"
 
-void k_sys_fatal_error_handler(unsigned int reason, const z_arch_esf_t *esf)
+void k_sys_fatal_error_handler(unsigned int reason, const struct arch_esf *esf)
 {
 	light_off_now(devices.light);
 	LOG_PANIC();

@@ -67,13 +67,13 @@ static const char *reason_name(unsigned int reason)
 	return reason < ARRAY_SIZE(names) ? names[reason] : "unknown";
 }
 
-__weak void k_sys_fatal_error_handler(unsigned int reason, const z_arch_esf_t *esf)
+__weak void k_sys_fatal_error_handler(unsigned int reason, const struct arch_esf *esf)
 {
 	ARG_UNUSED(esf);
 	k_fatal_halt(reason);
 }
 
-void z_fatal_error(unsigned int reason, const z_arch_esf_t *esf)
+void z_fatal_error(unsigned int reason, const struct arch_esf *esf)
 {
 	struct k_thread *thread = sched_current;
 	const bool in_isr = native_cpu.isr_depth > 0;

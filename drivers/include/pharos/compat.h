@@ -24,6 +24,11 @@
 	} while (false)
 #endif
 
+/* 3.7: what a fault left on the stack. The old name is that of Arm, Arm64, POSIX, RISC-V, SPARC. */
+#if defined(ZV) && ZV < 307
+#define arch_esf __esf
+#endif
+
 /* 3.6: a filter no longer tells data frames from remote ones, and FD frames from classic ones. */
 #ifndef CAN_FILTER_DATA
 #define CAN_FILTER_DATA 0

@@ -19,11 +19,10 @@ enum k_fatal_error_reason {
 };
 
 struct arch_esf;
-typedef struct arch_esf z_arch_esf_t;
 
 /* Weak: resets the board. */
 FUNC_NORETURN void k_fatal_halt(unsigned int reason);
-void k_sys_fatal_error_handler(unsigned int reason, const z_arch_esf_t *esf);
-FUNC_NORETURN void z_fatal_error(unsigned int reason, const z_arch_esf_t *esf);
+void k_sys_fatal_error_handler(unsigned int reason, const struct arch_esf *esf);
+FUNC_NORETURN void z_fatal_error(unsigned int reason, const struct arch_esf *esf);
 
 #endif
