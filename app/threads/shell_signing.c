@@ -11,6 +11,8 @@
 #include <zephyr/shell/shell.h>
 #include <zephyr/sys/util.h>
 
+#include <pharos/compat.h>
+
 #include "threads/clock.h"
 #include "threads/command.h"
 #include "threads/fixed.h"
@@ -84,7 +86,7 @@ static void type(uint8_t byte)
 }
 
 /* Bytes after `signing key`, until the line ends. */
-static void take_bytes(const struct shell *sh, uint8_t *data, size_t len)
+static void take_bytes(SHELL_BYPASS_PARAMS(const struct shell *sh, uint8_t *data, size_t len))
 {
 	for (size_t i = 0; i < len; i++) {
 		const bool ends = data[i] == '\r' || data[i] == '\n';

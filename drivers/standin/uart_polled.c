@@ -108,11 +108,6 @@ static int uart_polled_is_pending(const struct device *dev)
 	return uart_polled_rx_ready(dev) + uart_polled_tx_ready(dev) > 0 ? 1 : 0;
 }
 
-static int uart_polled_update(const struct device *dev)
-{
-	return 1;
-}
-
 static void uart_polled_callback_set(const struct device *dev,
                                      uart_irq_callback_user_data_t callback, void *user_data)
 {
@@ -165,7 +160,6 @@ static DEVICE_API(uart, uart_polled_api) = {
 	.irq_rx_disable = uart_polled_rx_disable,
 	.irq_rx_ready = uart_polled_rx_ready,
 	.irq_is_pending = uart_polled_is_pending,
-	.irq_update = uart_polled_update,
 	.irq_callback_set = uart_polled_callback_set,
 };
 

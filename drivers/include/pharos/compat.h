@@ -24,11 +24,6 @@
 	} while (false)
 #endif
 
-/* 3.7: what a fault left on the stack. The old name is that of Arm, Arm64, POSIX, RISC-V, SPARC. */
-#if defined(ZV) && ZV < 307
-#define arch_esf __esf
-#endif
-
 /* 3.6: a filter no longer tells data frames from remote ones, and FD frames from classic ones. */
 #ifndef CAN_FILTER_DATA
 #define CAN_FILTER_DATA 0
@@ -42,6 +37,19 @@
  */
 #ifndef PHAROS_CAN_FILTERS_EXCLUDE
 #define PHAROS_CAN_FILTERS_EXCLUDE (CAN_FILTER_FDF != 0 && IS_ENABLED(CONFIG_CAN_MCAN))
+#endif
+
+/* 3.7: what a fault left on the stack. The old name is that of Arm, Arm64, POSIX, RISC-V, SPARC. */
+#if defined(ZV) && ZV < 307
+#define arch_esf __esf
+#endif
+
+/* 4.4: the shell's bypass has a pointer for its callback, which nothing here needs. */
+#if defined(ZV) && ZV >= 404
+#define shell_set_bypass(shell_, callback_) (shell_set_bypass)((shell_), (callback_), NULL)
+#define SHELL_BYPASS_PARAMS(...)            __VA_ARGS__, void *user_data
+#else
+#define SHELL_BYPASS_PARAMS(...) __VA_ARGS__
 #endif
 
 #endif
