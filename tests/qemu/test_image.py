@@ -15,8 +15,9 @@ UNTOUCHED = 0xAA
 GUARD = 64
 RESERVE_PERCENT = 30
 # The reference target has an FPU, and three stacks of another size than this image's
-# (boards/nucleo_g474re.conf, and Zephyr's default). With an FPU an exception's frame has s0 to s15,
-# FPSCR and a word more (Armv7-M, B1.5.7), and Zephyr's guard takes 64 bytes more of a thread's stack.
+# (boards/nucleo_g474re.conf, and Zephyr's default). With an FPU an exception's frame has s0 to
+# s15, FPSCR and a word more (Armv7-M, B1.5.7), and Zephyr's guard takes 64 bytes more of a
+# thread's stack.
 FPU_FRAME = 18 * 4
 FPU_GUARD = 64
 REFERENCE_SIZES = {"idle": 320, "sys_work_q": 768, "interrupt": 1024}

@@ -12,7 +12,7 @@
 #include <zephyr/kernel.h>
 #include <zephyr/sys/printk.h>
 
-#define BYTES  96000 /* more than a second's at 921600 baud */
+#define BYTES     96000 /* more than a second's at 921600 baud */
 #define STREAM_MS 1100
 
 #define SYSTEM 1
@@ -108,13 +108,13 @@ static void ground_run(void *p1, void *p2, void *p3)
 	printk("line: %u commands in %u bytes; %u accepted, %u not; %u bytes back\n", commands,
 	       (unsigned int)result.sent, answers.accepted, answers.others,
 	       (unsigned int)result.received);
-	printk("line: %u overruns, at most %u bytes waited; %u frames taken, %u resyncs, %u answers dropped\n",
+	printk("line: %u overruns, at most %u bytes waited; %u frames taken, %u resyncs, %u "
+	       "answers dropped\n",
 	       result.overruns, result.most, after.rx_frames - before.rx_frames,
 	       after.framing.resyncs - before.framing.resyncs, dropped);
 	printk("line: %s\n", result.sent == used && result.overruns == 0 &&
-	                                     answers.accepted == commands &&
-	                                     answers.others == 0 && answers.crc_errors == 0 &&
-	                                     dropped == 0
+	                                     answers.accepted == commands && answers.others == 0 &&
+	                                     answers.crc_errors == 0 && dropped == 0
 	                             ? "passed"
 	                             : "failed");
 }
