@@ -229,11 +229,6 @@ static int uart_line_is_pending(const struct device *dev)
 	return wants_interrupt() ? 1 : 0;
 }
 
-static int uart_line_update(const struct device *dev)
-{
-	return 1;
-}
-
 static void uart_line_callback_set(const struct device *dev, uart_irq_callback_user_data_t callback,
                                    void *user_data)
 {
@@ -263,7 +258,6 @@ static DEVICE_API(uart, uart_line_api) = {
 	.irq_rx_disable = uart_line_rx_disable,
 	.irq_rx_ready = uart_line_rx_ready,
 	.irq_is_pending = uart_line_is_pending,
-	.irq_update = uart_line_update,
 	.irq_callback_set = uart_line_callback_set,
 };
 
