@@ -26,6 +26,9 @@
 /* While the thread wakes and takes that many, the rest of the ring fills. */
 #define RX_WANTED_MAX (UART_RX_RING_SIZE / 4)
 
+/* A silent line is noticed that much late at most: in these steps the thread looks for bytes. */
+#define SILENCE_STEP_US (MAVLINK_FRAMER_IDLE_US / 5)
+
 struct uart_link {
 	enum uart_protocol protocol;
 	struct ring_buf rx; /* the interrupt puts, the thread takes */
@@ -473,19 +476,21 @@ void uart_link_run(void *argument, void *p2, void *p3)
 	if (devices.uart_links[number] == NULL) {
 		return;
 	}
-	for (;;) {
+	for (uint32_t silent_us = 0;;) {
 		const bool unfinished = pending(link);
 		const k_timeout_t wait =
-			unfinished ? K_USEC(MAVLINK_FRAMER_IDLE_US) : K_MSEC(SUPERVISOR_REPORT_MS);
+			unfinished ? K_USEC(SILENCE_STEP_US) : K_MSEC(SUPERVISOR_REPORT_MS);
 
 		atomic_set(&link->rx_wanted, (atomic_val_t)MIN(wanted(link), RX_WANTED_MAX));
 		wake_if_enough(link); /* what came before the interrupt knew */
 		supervisor_report(SUPERVISOR_UART_LINK0 + number);
 
-		/* no byte while it waited: once or twice the idle time since the last */
-		const bool silent = k_sem_take(&link->rx_ready, wait) != 0;
+		const bool woken = k_sem_take(&link->rx_ready, wait) == 0;
+		const bool silent = !drain(number, link) && !woken && unfinished;
 
-		if (!drain(number, link) && silent && unfinished) {
+		silent_us = silent ? silent_us + SILENCE_STEP_US : 0;
+		if (silent_us >= MAVLINK_FRAMER_IDLE_US) {
+			silent_us = 0;
 			idle(number, link);
 		}
 	}
