@@ -129,19 +129,34 @@ def test_threads_and_main_include_core_proto_zephyr_and_drivers_api() -> None:
 def test_drivers_never_include_the_app() -> None:
     wrong = [
         i
-        for i in _includes("drivers")
+        for i in _includes("drivers", "boards/native/drivers")
         if i.name.startswith(("core/", "proto/", "threads/", "app/"))
         or (i.target is not None and i.target.is_relative_to("app"))
     ]
     _report(wrong, "drivers include zephyr/*, never the app")
 
 
+def test_drivers_for_every_board_include_nothing_of_a_host() -> None:
+    # A chip's own headers, which Zephyr has on its path.
+    chips = {"soc.h", "stm32_ll_usart.h"}
+    wrong = [
+        i
+        for i in _includes("drivers")
+        if not (
+            i.name in PORTABLE | chips
+            or i.name.startswith(("zephyr/", "pharos/"))
+            or (i.target is not None and i.target.is_relative_to("drivers"))
+        )
+    ]
+    _report(wrong, "drivers/ is for any Zephyr application; a host's are in boards/native/drivers")
+
+
 def test_host_never_includes_zephyr() -> None:
     wrong = [i for i in _includes("boards/native/host") if i.name.startswith("zephyr/")]
     # A driver may be a pair: its host half is the one that includes the host's headers.
-    drivers = _includes("drivers")
+    drivers = _includes("boards/native/drivers")
     halves = {i.file for i in drivers if i.name.startswith("host/")}
-    halves |= {path for path in _sources("drivers") if _is_host_half(path)}
+    halves |= {path for path in _sources("boards/native/drivers") if _is_host_half(path)}
     wrong += [i for i in drivers if i.file in halves and i.name.startswith("zephyr/")]
     _report(wrong, "the host's side includes POSIX, never zephyr/*")
 

@@ -110,7 +110,7 @@ struct wire {
 	} kept;
 };
 
-/* --- for the device's side (drivers/uart_host) ------------------------------------------------ */
+/* --- for the device's side (../drivers/uart_host) --------------------------------------------- */
 
 /* Parses a URL into an unused wire, whose name is set. 0, or -1 with a reason. Before
  * wires_start(). */
