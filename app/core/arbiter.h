@@ -9,7 +9,7 @@
  * Link loss: from the first sign of life of any commander on (arbiter_heard or arbiter_commit),
  * a silence of all of them for loss_us is a loss, told once; the next sign of life ends it.
  *
- * Context: the command thread. Spec: architecture, safety 5; issue "CAN and GPIO" 4.
+ * Context: the command thread. Spec: docs/architecture.md, promise 5.
  */
 #ifndef PHAROS_CORE_ARBITER_H
 #define PHAROS_CORE_ARBITER_H

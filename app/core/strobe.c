@@ -1,4 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The grid, and what a change of timing does to it. With a period of 10, lit for 3:
+ *
+ *   cycle     0         1         2
+ *   time      o         o+10      o+20
+ *   gate      ###_______###_______###___
+ *
+ * Edges are computed from origin and cycle, never by adding to the edge before; so no rounding and
+ * no late call can move them. A new plan keeps the present phase and the time at which it began
+ * (s), and asks only when the phase ends under the new lengths: max(now, s + length). From that
+ * end a new grid starts. Period 10 to 4, lit for 1, told at t in a dark phase that began at s:
+ *
+ *   old       ###_______###_______
+ *                s  t             under the old plan dark until s + 7
+ *   new       ###___#___#___#___  dark until s + 3, then lit on a grid with this origin
+ *
+ * Before a change, think of who sends it: a station that drags a slider sends forty plans a second.
+ * If a plan restarted the phase, the gate would never turn; if it ended the phase, the lamp would
+ * flash at forty hertz. tests/unit/core/src/strobe_test.c and tests/sim hold it to the bounds that
+ * strobe.h states.
+ */
 #include "core/strobe.h"
 
 #include "core/assert.h"

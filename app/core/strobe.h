@@ -18,7 +18,7 @@
  * short for the strobe. A plan with the same timing leaves the grid untouched.
  *
  * Context: thread or interrupt, serialised by the caller. advance does no division unless late by
- * more than a whole phase. Spec: issue "First light" 4, 5.
+ * more than a whole phase. Spec: MAVLink common 406.
  */
 #ifndef PHAROS_CORE_STROBE_H
 #define PHAROS_CORE_STROBE_H

@@ -12,7 +12,7 @@
  *
  * Timestamps are arguments, so an input may be told late, with its own time; one older than what
  * was already decided counts as now and is counted. Context: thread or interrupt, serialised by the
- * caller. Spec: issue "First light" 5.
+ * caller. Spec: MAVLink common 406, external sync.
  */
 #ifndef PHAROS_CORE_SYNC_H
 #define PHAROS_CORE_SYNC_H

@@ -18,8 +18,8 @@
  * stuck_us while the raw code never changed (an oversampled converter always shows some noise).
  * STUCK lasts until the code changes, lit or not.
  *
- * Context: one thread (or interrupts locked); nothing here blocks. Spec: issue "First light" 4,
- * MAVLink ILLUMINATOR_ERROR_FLAGS.
+ * Context: one thread (or interrupts locked); nothing here blocks. Spec: docs/architecture.md,
+ * promise 1; MAVLink ILLUMINATOR_ERROR_FLAGS.
  */
 #ifndef PHAROS_CORE_THERMAL_H
 #define PHAROS_CORE_THERMAL_H

@@ -1,4 +1,29 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * From frames to transfers. A transfer of several frames, by the tail byte of each:
+ *
+ *   data        CRC p0..p4 | p5..p11 | p12..
+ *   tail        S-- 7      | --T 7   | -E- 7     S start, E end, T toggle, 7 the transfer id
+ *
+ * A session stands for one sender of one type (and kind). Between transfers it only remembers
+ * which id comes next; a buffer is its own only while a transfer is under way:
+ *
+ *              start, id as expected              end, CRC right: deliver
+ *   no session ---------> under way ---------------------------> idle, next_id + 1
+ *                         |   ^ frame in turn                     |  ^
+ *                         |   +--(append)                         |  |
+ *                         | 2 s without an end, too long,         |  | start with the next id,
+ *                         | wrong CRC, evicted: count             |  | or with any but the last
+ *                         +-------------------------------------> +--+
+ *
+ * Three ids matter when a start comes: the expected one (take it), the one before (a frame that
+ * the controller sent twice: not again), any other (transfers were lost on the bus: begin anew). A
+ * frame that is no start can only continue; out of turn, by its toggle, it is refused and the
+ * transfer waits on, since a repeated frame is followed by the right one.
+ *
+ * is_ours lets the first frame of a transfer say whom it concerns (a tunnel's target), so that a
+ * busy bus of others' tunnels takes no buffers here; only its id is noted.
+ */
 #include "proto/dronecan/transport.h"
 
 #include <string.h>

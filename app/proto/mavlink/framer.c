@@ -1,4 +1,31 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The window, and why nothing is thrown away early.
+ *
+ *   window  [ given out | signature? | candidate ........ | free ]
+ *                       ^head-behind ^head               ^tail
+ *
+ * At head stands a magic byte, and what its header claims. The candidate is a frame, may become
+ * one (INCOMPLETE), or is a false start. After a false start head moves on by one byte, not by the
+ * claimed length: with a wrong length byte a good frame lies within what was claimed.
+ *
+ *   bytes    fd ff 00 .. | fd 09 00 .. good .. | noise
+ *            ^ claims 267 bytes: a wait for them would lose the good frame until they came
+ *
+ * So a candidate that waits for bytes keeps them all, and three things can end its wait: the bytes
+ * come, and its checksum decides; the line falls silent, and mavlink_framer_idle() looks behind it;
+ * or the window is full, which it can't be while a frame is incomplete (its size is the largest
+ * frame and the largest write).
+ *
+ * The signature is not under the checksum. A frame with one is given out when its thirteen bytes
+ * are there, but they stay in the window (behind) until the next candidate is a frame: if it is
+ * none, the signature was cut short, and the search goes back to where it began.
+ *
+ * Cost: each byte is looked at as a start at most once, plus once for each candidate that it is a
+ * checksummed part of: at worst a window full of magic bytes, MAVLINK_FRAMER_WINDOW checksums.
+ * Before a change: tests/proto/mavlink and fuzz_mavlink compare chunked with whole input, and every
+ * good frame behind every kind of bad one must come out.
+ */
 #include "proto/mavlink/framer.h"
 
 #include "core/assert.h"
