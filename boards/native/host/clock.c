@@ -18,6 +18,7 @@ enum {
 };
 
 static bool is_virtual;
+static bool is_controlled;
 static uint64_t until_us = UINT64_MAX;
 static uint64_t boot_us;
 
@@ -34,6 +35,16 @@ static struct {
 bool clock_is_virtual(void)
 {
 	return is_virtual;
+}
+
+bool clock_is_lockstep(void)
+{
+	return is_virtual && is_controlled;
+}
+
+void clock_control(void)
+{
+	is_controlled = true;
 }
 
 uint64_t clock_until_us(void)

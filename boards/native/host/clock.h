@@ -12,6 +12,12 @@
 
 bool clock_is_virtual(void);
 
+/* Virtual time that stands still until an `advance` of the control socket (host/lockstep.h). */
+bool clock_is_lockstep(void);
+
+/* Options only: there will be a control socket, so virtual time is lock-step. */
+void clock_control(void);
+
 uint64_t clock_board_us(void);
 
 /* Board time at the start of this boot: the difference to the kernel's uptime. */

@@ -12,8 +12,7 @@
 
 #include "host/buffer.h"
 #include "host/carry.h"
-#include "host/control_ops.h"
-#include "host/lockstep.h"
+#include "host/clock.h"
 #include "host/loop.h"
 #include "host/module.h"
 #include "kernel/port.h"
@@ -49,6 +48,8 @@ static struct loop_source listener;
 static struct client clients[CLIENTS_MAX];
 static unsigned int next_client; /* turns */
 static bool maybe_lines;
+static bool quitting;
+static void (*on_gone)(void);
 
 static struct {
 	uint64_t requests;
@@ -58,11 +59,6 @@ static struct {
 	int pending_client; /* -1: it has gone */
 	char pending_id[ID_MAX];
 } state;
-
-bool control_enabled(void)
-{
-	return path != NULL;
-}
 
 /* --- output --------------------------------------------------------------------------------------
  */
@@ -80,6 +76,20 @@ static void update(struct client *client)
 	loop_want(&client->source, events);
 }
 
+void control_on_gone(void (*gone)(void))
+{
+	on_gone = gone;
+}
+
+/* Nobody waits for the pending request's reply any more. */
+static void abandon(void)
+{
+	state.pending_client = -1;
+	if (on_gone != NULL) {
+		on_gone();
+	}
+}
+
 static void set_gone(struct client *client)
 {
 	client->gone = true;
@@ -87,8 +97,7 @@ static void set_gone(struct client *client)
 	loop_remove(&client->source);
 	buffer_consume(&client->out, buffer_length(&client->out));
 	if (state.pending && state.pending_client == (int)(client - clients)) {
-		state.pending_client = -1;
-		lockstep_cancel();
+		abandon();
 	}
 }
 
@@ -229,8 +238,7 @@ static void run(struct client *client, json_t *request)
 	if (result == CONTROL_LATER) {
 		json_decref(call.reply);
 		if (client->gone) {
-			state.pending_client = -1;
-			lockstep_cancel();
+			abandon();
 		}
 		return;
 	}
@@ -293,6 +301,11 @@ static bool run_client(struct client *client)
 	return true;
 }
 
+void control_quit(void)
+{
+	quitting = true;
+}
+
 static void close_client(struct client *client)
 {
 	loop_remove(&client->source);
@@ -318,7 +331,7 @@ bool control_run_one(void)
 			if (!client->gone) {
 				update(client);
 			}
-			if (control_quitting()) {
+			if (quitting) {
 				port_exit(0);
 			}
 			return true;
@@ -528,6 +541,7 @@ static int parse_control(const char *value, struct host_error *error)
 		                      sizeof(address.sun_path) - 1);
 	}
 	path = value;
+	clock_control();
 	return 0;
 }
 
@@ -543,7 +557,6 @@ HOST_MODULE(control_module) = {
 	.name = "control",
 	.order = HOST_ORDER_CONTROL,
 	.options = options,
-	.ops = control_ops,
 	.start = start,
 	.save = save,
 	.stop = stop,

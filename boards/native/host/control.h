@@ -62,14 +62,17 @@ void control_put_bool(json_t *object, const char *field, bool value);
 /* --- the host's own ------------------------------------------------------------------------------
  */
 
-/* There is, or will be, a control socket. */
-bool control_enabled(void);
-
 /* Runs one request that has been read; false: there is none. */
 bool control_run_one(void);
 
 /* The reply to the request that said CONTROL_LATER. Takes `reply`. error != NULL: it failed. */
 void control_reply(json_t *reply, const char *error);
+
+/* Start hooks: who is told when the client of a request that said CONTROL_LATER has gone. */
+void control_on_gone(void (*gone)(void));
+
+/* The process ends when the reply of the request that runs is out. */
+void control_quit(void);
 
 /* --- the decoder (fuzzed) ------------------------------------------------------------------------
  */

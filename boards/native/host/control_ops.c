@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "host/control_ops.h"
-
+/* The control operations of the host itself: hello, ops, wires, fault, reset, quit. */
 #include <string.h>
 
 #include "host/carry.h"
 #include "host/clock.h"
+#include "host/control.h"
 #include "host/module.h"
 #include "host/prng.h"
 #include "host/reset.h"
@@ -12,13 +12,7 @@
 #include "host/wire.h"
 #include "kernel/port.h"
 
-static bool quitting;
 static bool reset_reply_due; /* carried */
-
-bool control_quitting(void)
-{
-	return quitting;
-}
 
 static enum control_result run_hello(struct control_call *call)
 {
@@ -108,7 +102,8 @@ static enum control_result run_reset(struct control_call *call)
 	port_reset(cause);
 }
 
-void control_after_reset(void)
+/* The kernel has started: the reply to the reset before is due. */
+static void up(void)
 {
 	json_t *reply;
 
@@ -125,7 +120,7 @@ void control_after_reset(void)
 static enum control_result run_quit(struct control_call *call)
 {
 	(void)call;
-	quitting = true;
+	control_quit();
 	return CONTROL_OK;
 }
 
@@ -207,7 +202,7 @@ static enum control_result run_fault(struct control_call *call)
 	                    device);
 }
 
-const struct control_op control_ops[] = {
+static const struct control_op ops[] = {
 	{"hello", "name, version, kind of time, seed, board time, cause of the last reset",
          run_hello},
 	{"ops", "all operations, and all devices that take faults", run_ops},
@@ -243,6 +238,8 @@ static const struct control_fault faults[] = {
 HOST_MODULE(control_ops_module) = {
 	.name = "control-ops",
 	.order = HOST_ORDER_CONTROL - 1,
+	.ops = ops,
 	.faults = faults,
 	.start = start,
+	.up = up,
 };

@@ -5,9 +5,9 @@
 
 #include "host/clock.h"
 #include "host/control.h"
-#include "host/control_ops.h"
 #include "host/lockstep.h"
 #include "host/loop.h"
+#include "host/module.h"
 #include "host/wire.h"
 #include "kernel/port.h"
 
@@ -15,12 +15,22 @@ enum {
 	JUMPS_PER_POLL = 4096
 };
 
+static void tell_up(void)
+{
+	static bool told;
+
+	if (!told) {
+		told = true;
+		host_up();
+	}
+}
+
 static void idle_real(uint64_t deadline_us)
 {
 	const uint64_t now_us = clock_board_us();
 
 	wires_flush();
-	control_after_reset();
+	tell_up();
 	if (control_run_one()) {
 		return;
 	}
@@ -78,7 +88,8 @@ void port_idle(uint64_t deadline_us)
 		idle_real(board_us);
 		clock_stale();
 	} else if (board_us > clock_board_us()) {
-		if (control_enabled()) {
+		if (clock_is_lockstep()) {
+			tell_up();
 			lockstep_idle(board_us);
 		} else {
 			idle_free(board_us);

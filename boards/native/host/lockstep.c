@@ -8,7 +8,6 @@
 #include "host/carry.h"
 #include "host/clock.h"
 #include "host/control.h"
-#include "host/control_ops.h"
 #include "host/loop.h"
 #include "host/module.h"
 #include "host/wire.h"
@@ -70,12 +69,8 @@ static const char *unit(const char *name)
 	return wire_find(name) != NULL ? "bytes" : "frames";
 }
 
-bool lockstep_enabled(void)
-{
-	return clock_is_virtual() && control_enabled();
-}
-
-void lockstep_cancel(void)
+/* The client of the advance under way has gone: time stops where it is. */
+static void cancel_advance(void)
 {
 	if (state.active) {
 		state.active = false;
@@ -259,7 +254,6 @@ static void arrive(void)
 
 void lockstep_idle(uint64_t deadline_us)
 {
-	control_after_reset();
 	if (!state.active) {
 		wires_flush();
 		if (!control_run_one()) {
@@ -280,6 +274,7 @@ void lockstep_idle(uint64_t deadline_us)
 static int start(void)
 {
 	carry_register("lockstep", &state, sizeof(state));
+	control_on_gone(cancel_advance);
 	return 0;
 }
 

@@ -32,11 +32,6 @@ struct lockstep_source {
 /* In start hooks. */
 void lockstep_add(struct lockstep_source *source);
 
-bool lockstep_enabled(void);
-
-/* The client of the advance under way has gone: time stops where it is. */
-void lockstep_cancel(void);
-
 /* Nothing is ready to run; the kernel's next timeout is at this board time (UINT64_MAX: none). One
  * step. */
 void lockstep_idle(uint64_t deadline_us);

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "host/carry.h"
+#include "host/command_line.h"
 #include "host/module.h"
 #include "kernel/port.h"
 
@@ -29,7 +30,7 @@ int main(int argc, char *argv[])
 	int status;
 
 	carry_load(argv);
-	options_parse(argc, argv);
+	command_line_parse(argc, argv);
 	status = host_start();
 	if (status != 0) {
 		host_stop();

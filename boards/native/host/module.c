@@ -58,6 +58,15 @@ int host_start(void)
 	return 0;
 }
 
+void host_up(void)
+{
+	for (size_t i = 0; i < started; i++) {
+		if (sorted[i]->up != NULL) {
+			sorted[i]->up();
+		}
+	}
+}
+
 void host_off(void)
 {
 	for (size_t i = started; i > 0; i--) {

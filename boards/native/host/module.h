@@ -33,6 +33,8 @@ struct host_module {
 	/* After the options, before the kernel. Carried data is there (host/carry.h). 0; else it
 	 * has said why: the process's exit status (2: an option is wrong), or -1. */
 	int (*start)(void);
+	/* The kernel has started and is idle for the first time. */
+	void (*up)(void);
 	/* The instant of a reset or of the end: outputs fall to their reset state. No blocking. */
 	void (*off)(void);
 	/* Before a reset: carry_put(), carry_fd(). */
@@ -51,9 +53,10 @@ struct host_module {
 /* All modules in order; *count of them. */
 const struct host_module *const *host_modules(size_t *count);
 
-/* Calls the hook of every module: start in order (the first failure ends it), the others in
- * reverse. host_start: 0, else the exit status. */
+/* Calls the hook of every module: start and up in order (the first failure to start ends it), the
+ * others in reverse. host_start: 0, else the exit status. */
 int host_start(void);
+void host_up(void);
 void host_off(void);
 void host_save(void);
 void host_stop(void);

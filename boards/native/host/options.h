@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/*
- * The command line. Each module brings a table; `--name VALUE` and `--name=VALUE` are the same. A
- * wrong option is one line on stderr (what is wrong, what would be right) and exit status 2.
- */
+/* An option of the command line, of which each module brings a table, and how values are read. */
 #ifndef NATIVE_HOST_OPTIONS_H_
 #define NATIVE_HOST_OPTIONS_H_
 
@@ -19,10 +16,6 @@ struct host_option {
 	 * run. */
 	int (*parse)(const char *value, struct host_error *error);
 };
-
-/* Exits for --help, --version and wrong options; else all options have been parsed, in their given
- * order. */
-void options_parse(int argc, char *const argv[]);
 
 /* "500us", "500ms", "2s", "1.5h", "24h", "1d". 0, or -1 with a reason. */
 int parse_duration_us(const char *text, uint64_t *us, struct host_error *error);

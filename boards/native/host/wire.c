@@ -7,7 +7,6 @@
 
 #include "host/carry.h"
 #include "host/clock.h"
-#include "host/lockstep.h"
 #include "host/module.h"
 #include "host/say.h"
 #include "kernel/port.h"
@@ -151,7 +150,7 @@ void wire_received(struct wire *wire, const uint8_t *data, size_t length)
 {
 	wire->kept.counts.rx_bytes += length;
 	wire->kept.counts.rx_datagrams++;
-	if (lockstep_enabled()) {
+	if (clock_is_lockstep()) {
 		buffer_append(&wire->staged, data, length, SIZE_MAX / 2);
 	} else {
 		give(wire, data, length);
@@ -160,7 +159,7 @@ void wire_received(struct wire *wire, const uint8_t *data, size_t length)
 
 void wire_received_all(struct wire *wire)
 {
-	if (lockstep_enabled()) {
+	if (clock_is_lockstep()) {
 		set_paused(wire, buffer_length(&wire->staged) >= WIRE_STAGED_MAX);
 		return;
 	}
@@ -204,7 +203,7 @@ size_t wire_read(struct wire *wire, uint8_t *data, size_t size)
 	if (n > 0) {
 		memcpy(data, buffer_bytes(&wire->rx), n);
 		buffer_consume(&wire->rx, n);
-		if (wire->paused && !lockstep_enabled() && length - n < WIRE_FIFO) {
+		if (wire->paused && !clock_is_lockstep() && length - n < WIRE_FIFO) {
 			set_paused(wire, false);
 		}
 	}

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "host/lockstep.h"
+#include "host/clock.h"
 #include "host/say.h"
 #include "kernel/port.h"
 
@@ -132,7 +132,7 @@ static void tell(struct can_bus *bus)
 void can_bus_received(struct can_bus *bus, const struct can_host_event *event)
 {
 	bus->kept.counts.rx_frames += event->kind == CAN_HOST_FRAME ? 1 : 0;
-	if (lockstep_enabled()) {
+	if (clock_is_lockstep()) {
 		append(&bus->staged, event);
 	} else {
 		give(bus, event);
@@ -141,7 +141,7 @@ void can_bus_received(struct can_bus *bus, const struct can_host_event *event)
 
 void can_bus_received_all(struct can_bus *bus)
 {
-	if (lockstep_enabled()) {
+	if (clock_is_lockstep()) {
 		set_paused(bus, buffer_length(&bus->staged) >= CAN_BUS_STAGED_MAX);
 		return;
 	}
@@ -187,7 +187,7 @@ const struct can_host_event *can_host_bus_peek(const struct can_bus *bus)
 void can_host_bus_drop(struct can_bus *bus)
 {
 	buffer_consume(&bus->rx, sizeof(struct can_host_event));
-	if (bus->paused && !lockstep_enabled() &&
+	if (bus->paused && !clock_is_lockstep() &&
 	    buffer_length(&bus->rx) < CAN_BUS_FIFO / 2 * sizeof(struct can_host_event)) {
 		set_paused(bus, false);
 	}

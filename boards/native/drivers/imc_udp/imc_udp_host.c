@@ -175,8 +175,8 @@ static void take_in(const struct sockaddr_in *from, size_t length)
 		.from = {.ipv4 = ntohl(from->sin_addr.s_addr), .port = ntohs(from->sin_port)},
 		.length = (uint32_t)length,
 	};
-	struct buffer *const to = lockstep_enabled() ? &udp.staged : &udp.rx;
-	const size_t max = lockstep_enabled() ? STAGED_MAX : UNREAD_MAX;
+	struct buffer *const to = clock_is_lockstep() ? &udp.staged : &udp.rx;
+	const size_t max = clock_is_lockstep() ? STAGED_MAX : UNREAD_MAX;
 	uint8_t *const room = buffer_reserve(to, sizeof(record) + length, max);
 
 	if (record.from.ipv4 == udp.kept.own.ipv4 && record.from.port == udp.kept.own.port) {
@@ -190,7 +190,7 @@ static void take_in(const struct sockaddr_in *from, size_t length)
 	memcpy(room + sizeof(record), datagram, length);
 	to->tail += sizeof(record) + length;
 	udp.kept.counts.rx_datagrams++;
-	udp.kept.released += lockstep_enabled() ? 0 : 1;
+	udp.kept.released += clock_is_lockstep() ? 0 : 1;
 }
 
 static bool read_some(struct loop_source *source)
