@@ -10,7 +10,7 @@ import can
 import pytest
 
 from pharos import UrlError
-from pharos.can_udp import PharosUdpBus, decode, encode
+from pharos.can_udp import DEFAULT_CHANNEL, PharosUdpBus, decode, encode, parse_channel
 
 
 @pytest.fixture
@@ -164,9 +164,142 @@ def test_length_that_is_no_fd_length_is_refused(channel: str) -> None:
         bus.send(can.Message(arbitration_id=1, is_fd=True, data=bytes(13)))
 
 
-@pytest.mark.parametrize("channel", ["nonsense", "127.0.0.1", "127.0.0.1:0", "127.0.0.1:99999"])
+@pytest.mark.parametrize(
+    "channel",
+    ["nonsense", "127.0.0.1", "127.0.0.1:0", "127.0.0.1:99999", "256", "-1", "٣", "9" * 5000]
+    + ["a" * 300 + ":1", "192.0.2.1:57732"],
+)
 def test_bad_channel_is_said_in_one_line(channel: str) -> None:
-    with pytest.raises(UrlError) as caught:
-        PharosUdpBus(channel)
-    assert channel in str(caught.value)
-    assert "\n" not in str(caught.value)
+    """To users of this package and to users of python-can."""
+    for root in (UrlError, can.CanInitializationError):
+        with pytest.raises(root) as caught:
+            PharosUdpBus(channel)
+        assert channel in str(caught.value)
+        assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("channel", "name", "address"),
+    [
+        ("0", "0", ("239.65.82.0", 57732)),
+        ("5", "5", ("239.65.82.5", 57732)),
+        ("007", "7", ("239.65.82.7", 57732)),
+        ("255", "255", ("239.65.82.255", 57732)),
+        ("239.65.82.5:57732", "5", ("239.65.82.5", 57732)),
+        ("239.65.82.5:57733", "239.65.82.5:57733", ("239.65.82.5", 57733)),
+        ("127.255.255.255:57732", "127.255.255.255:57732", ("127.255.255.255", 57732)),
+    ],
+)
+def test_channel_has_one_name(channel: str, name: str, address: tuple[str, int]) -> None:
+    assert parse_channel(channel) == (name, address)
+
+
+# --- all that python-can's BusABC promises --------------------------------------------------------
+def test_names_have_no_spaces_and_open_the_bus_again(
+    pair: tuple[PharosUdpBus, PharosUdpBus],
+) -> None:
+    pair[0].send(can.Message(arbitration_id=1))
+    got = pair[1].recv(5.0)
+    assert got is not None
+    assert got.channel == pair[1].channel_info == str(pair[1])
+    kind, _, channel = pair[1].channel_info.partition("/")
+    with can.Bus(interface=kind, channel=channel) as third:
+        pair[0].send(can.Message(arbitration_id=2))
+        got = third.recv(5.0)
+        assert got is not None
+        assert got.arbitration_id == 2
+
+
+def test_nothing_is_queued_for_sending(pair: tuple[PharosUdpBus, PharosUdpBus]) -> None:
+    pair[0].send(can.Message(arbitration_id=1))
+    pair[0].flush_tx_buffer()
+    assert pair[1].recv(5.0) is not None
+
+
+def test_passive_node_only_listens(pair: tuple[PharosUdpBus, PharosUdpBus]) -> None:
+    assert pair[0].state == can.BusState.ACTIVE
+    pair[0].state = can.BusState.PASSIVE
+    assert pair[0].state == can.BusState.PASSIVE
+    with pytest.raises(can.CanOperationError, match="passive"):
+        pair[0].send(can.Message(arbitration_id=1))
+    pair[1].send(can.Message(arbitration_id=2))
+    assert pair[0].recv(5.0) is not None
+    pair[0].state = can.BusState.ACTIVE
+    pair[0].send(can.Message(arbitration_id=3))
+    assert pair[1].recv(5.0) is not None
+    with pytest.raises(can.CanOperationError, match="error"):
+        pair[0].state = can.BusState.ERROR
+
+
+def test_protocol_says_whether_fd_frames_go(channel: str) -> None:
+    for fd, protocol in ((False, can.CanProtocol.CAN_20), (True, can.CanProtocol.CAN_FD)):
+        with can.Bus(interface="pharos-udp", channel=channel, fd=fd, bitrate=500_000) as bus:
+            assert bus.protocol == protocol
+
+
+def test_shut_down_twice_and_used_afterwards(channel: str) -> None:
+    bus = PharosUdpBus(channel)
+    for _ in range(2):
+        bus.shutdown()
+    with pytest.raises(can.CanOperationError, match="shut down"):
+        bus.send(can.Message(arbitration_id=1))
+    with pytest.raises(can.CanOperationError, match="shut down"):
+        bus.recv(0)
+    assert bus.fileno() == -1
+
+
+def test_periodic_frames_go_until_they_are_stopped(
+    pair: tuple[PharosUdpBus, PharosUdpBus],
+) -> None:
+    task = pair[0].send_periodic(can.Message(arbitration_id=1, data=b"a"), 0.002)
+    assert isinstance(task, can.broadcastmanager.ThreadBasedCyclicSendTask)
+    for _ in range(3):
+        assert pair[1].recv(5.0) is not None
+    task.modify_data(can.Message(arbitration_id=1, data=b"b"))
+    while (got := pair[1].recv(5.0)) is not None and got.data != b"b":
+        pass
+    assert got is not None
+    pair[0].stop_all_periodic_tasks()
+    assert task.thread is not None
+    task.thread.join(5.0)
+    assert not task.thread.is_alive()
+    while pair[1].recv(0) is not None:
+        pass
+    pair[0].send_periodic(can.Message(arbitration_id=2), 0.002)
+    assert pair[1].recv(5.0) is not None
+    pair[0].shutdown()  # ends its tasks
+
+
+def test_frames_come_by_iteration_and_by_notifier(
+    pair: tuple[PharosUdpBus, PharosUdpBus],
+) -> None:
+    pair[0].send(can.Message(arbitration_id=1))
+    assert next(iter(pair[1])).arbitration_id == 1
+    reader = can.BufferedReader()
+    notifier = can.Notifier(pair[1], [reader], timeout=0.01)
+    pair[0].send(can.Message(arbitration_id=2))
+    got = reader.get_message(5.0)
+    notifier.stop()
+    assert got is not None
+    assert got.arbitration_id == 2
+
+
+def test_filters_are_taken_at_the_opening_and_taken_off(channel: str) -> None:
+    only = [{"can_id": 0x100, "can_mask": 0x7FF, "extended": False}]
+    with (
+        PharosUdpBus(channel) as one,
+        can.Bus(interface="pharos-udp", channel=channel, can_filters=only) as other,
+    ):
+        for identifier in (0x101, 0x100):
+            one.send(can.Message(arbitration_id=identifier, is_extended_id=False))
+        got = other.recv(5.0)
+        assert got is not None
+        assert got.arbitration_id == 0x100
+        other.filters = None
+        one.send(can.Message(arbitration_id=0x101, is_extended_id=False))
+        assert other.recv(5.0) is not None
+
+
+def test_the_default_bus_is_offered() -> None:
+    configs = can.detect_available_configs(["pharos-udp"])
+    assert [(c["interface"], c["channel"]) for c in configs] == [("pharos-udp", DEFAULT_CHANNEL)]

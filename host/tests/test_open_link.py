@@ -7,8 +7,11 @@ import os
 import pty
 import socket
 from pathlib import Path
+from typing import Any, NoReturn
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from pharos import LinkError, PharosError, RealPacer, UrlError, open_link
 from pharos.link import Link, TcpListenLink, UdpLink, parse_address
@@ -55,6 +58,19 @@ def _receive(link: Link, count: int) -> bytes:
         ("dronecan:socketcan/can0?node=68&fd=yes", "no number"),
         ("dronecan:tin-cans/string?node=68", "'tin-cans'"),
         ("dronecan:pharos-udp/x?node=68", "'x'"),
+        ("udp:" + "a" * 300 + ":1", "no host name"),
+        ("udp:a b:1", "no host name"),
+        ("udp:..:1", "no host name"),
+        ("tcp:host\0:1", "no host name"),
+        ("udp:127.0.0.1:0", "port 0"),
+        ("tcp:127.0.0.1:0", "port 0"),
+        ("udp:127.0.0.1:" + "1" * 5000, "no HOST:PORT"),
+        ("udp:127.0.0.1:٣", "no HOST:PORT"),
+        ("pty:/dev/\0", "no path"),
+        ("/dev/ttyUSB0,0", "0 Bd"),
+        ("/dev/ttyUSB0," + "9" * 5000, "no baud rate"),
+        ("dronecan:socketcan/can0?node=" + "9" * 5000, "no number"),
+        ("udp:\x1b[2J\n:1", "\\x1b[2J\\n"),
     ],
 )
 def test_bad_url_says_in_one_line_what_is_wrong(url: str, hint: str) -> None:
@@ -62,6 +78,43 @@ def test_bad_url_says_in_one_line_what_is_wrong(url: str, hint: str) -> None:
         open_link(url)
     assert hint in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+KINDS = ["udp", "udpout", "udpin", "tcp", "tcpin", "pty", "serial", "dronecan", "nonsense", ""]
+# What URLs are made of, and whatever else a character may be.
+PARTS = st.one_of(
+    st.sampled_from([":", "/", ",", "?", "&", "=", "[", "]", "::1", ".", "..", "node=5", "fd=1"]),
+    st.sampled_from(["127.0.0.1", "0", "1", "70000", "57600", "pharos-udp", "socketcan", "/dev/"]),
+    st.text(max_size=8),
+    st.text(alphabet="a1.-", min_size=60, max_size=300),
+    st.characters(categories=["Cc", "Cf", "Cs", "Nd", "Zl"]),
+)
+
+
+@settings(max_examples=600, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(kind=st.sampled_from(KINDS), parts=st.lists(PARTS, max_size=8))
+def test_any_text_opens_or_says_in_one_line_why_not(kind: str, parts: list[str]) -> None:
+    """Without asking a name server, and with no more than the time of a refused connection."""
+    url = f"{kind}:{''.join(parts)}"
+    ask = socket.getaddrinfo
+
+    def numeric(host: Any, port: Any, type: int = 0) -> Any:
+        return ask(host, port, type=type, flags=socket.AI_NUMERICHOST)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(socket, "getaddrinfo", numeric)
+        patch.setattr(socket, "create_connection", _refuse)
+        patch.setattr(socket, "gethostbyname", lambda host: numeric(host, 0)[0][4][0])
+        reason = ""
+        try:
+            open_link(url).close()
+        except (UrlError, LinkError) as error:
+            reason = str(error)
+        assert reason.isprintable()  # so, one line
+
+
+def _refuse(*_args: object, **_kwargs: object) -> NoReturn:
+    raise ConnectionRefusedError(111, "refused")
 
 
 @pytest.mark.parametrize(

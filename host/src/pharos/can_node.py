@@ -44,7 +44,7 @@ def open_bus(interface: str, channel: str, *, fd: bool = False, **options: Any) 
         raise UrlError(f"{where}: {_first_line(error)}") from error
     except OSError as error:
         raise LinkError(f"{where}: {error.strerror or error}") from error
-    except (can.CanError, ValueError, TypeError) as error:
+    except Exception as error:  # a plug-in's own kinds, of which there is no list
         raise LinkError(f"{where}: {_first_line(error)}") from error
 
 

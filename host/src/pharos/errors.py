@@ -3,16 +3,25 @@
 
 from __future__ import annotations
 
+from .text import printable
+
 
 class PharosError(Exception):
     """Root of the package's errors."""
 
 
-class UrlError(PharosError):
+class _OneLineError(PharosError):
+    """Its text names what somebody else wrote, and stays one line all the same."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(printable(text))
+
+
+class UrlError(_OneLineError):
     """A link's URL is malformed or names something that does not exist."""
 
 
-class LinkError(PharosError):
+class LinkError(_OneLineError):
     """A link failed, or did not carry the bytes that were due."""
 
 

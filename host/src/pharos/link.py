@@ -97,7 +97,7 @@ class Link(Port):
 
     def poll(self, timeout_s: float) -> bool:
         """Moves what is at hand into the inbox; waits up to `timeout_s` of host time for it."""
-        if not _wait(self.fileno(), timeout_s):
+        if not wait_readable(self.fileno(), timeout_s):
             return False
         data = self._read()
         if not data:
@@ -277,28 +277,22 @@ class TerminalLink(Link):
     def __init__(self, path: str, baud: int | None = None) -> None:
         super().__init__()
         self.path = path
+        speed = None if baud is None else _speed(baud)
         try:
             self._fd = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
         except OSError as error:
             raise LinkError(f"{path}: {error.strerror}") from error
+        except ValueError as error:  # a NUL, or half a character
+            raise UrlError(f"'{path}' is no path: {error}") from error
         try:
             tty.setraw(self._fd, termios.TCSANOW)
-            if baud is not None:
-                self._set_baud(baud)
+            if speed is not None:
+                attributes = termios.tcgetattr(self._fd)
+                attributes[4] = attributes[5] = speed
+                termios.tcsetattr(self._fd, termios.TCSANOW, attributes)
         except termios.error as error:
             os.close(self._fd)
             raise LinkError(f"{path}: {error.args[-1]}: no terminal") from error
-        except UrlError:
-            os.close(self._fd)
-            raise
-
-    def _set_baud(self, baud: int) -> None:
-        speed = getattr(termios, f"B{baud}", None)
-        if speed is None:
-            raise UrlError(f"{baud} Bd is not a speed of this host's serial lines")
-        attributes = termios.tcgetattr(self._fd)
-        attributes[4] = attributes[5] = speed
-        termios.tcsetattr(self._fd, termios.TCSANOW, attributes)
 
     def fileno(self) -> int:
         return self._fd
@@ -331,6 +325,14 @@ class TerminalLink(Link):
 
     def __str__(self) -> str:
         return self.path
+
+
+def _speed(baud: int) -> int:
+    # B0 is no speed: it hangs up.
+    speed = getattr(termios, f"B{baud}", None) if baud else None
+    if speed is None:
+        raise UrlError(f"{baud} Bd is not a speed of this host's serial lines")
+    return int(speed)
 
 
 class Pacer(Protocol):
@@ -382,11 +384,11 @@ def open_link(url: str) -> Link:
     if not colon or (not rest and kind != "dronecan"):
         raise UrlError(f"'{url}' is no link; expected {LINK_FORMS}")
     if kind in ("udp", "udpout"):
-        return UdpLink(peer=parse_address(rest, url))
+        return UdpLink(peer=_parse_peer(rest, url))
     if kind == "udpin":
         return UdpLink(bind=parse_address(rest, url))
     if kind == "tcp":
-        return TcpLink(parse_address(rest, url))
+        return TcpLink(_parse_peer(rest, url))
     if kind == "tcpin":
         return TcpListenLink(parse_address(rest, url))
     if kind == "pty":
@@ -402,20 +404,47 @@ def open_link(url: str) -> Link:
 
 def _open_serial(text: str, url: str) -> Link:
     device, comma, baud = text.partition(",")
-    if not device or (comma and not baud.isdecimal()):
+    speed = parse_number(baud) if comma else BAUD_DEFAULT
+    if not device or speed is None:
         raise UrlError(f"'{baud}' in '{url}' is no baud rate; expected serial:DEVICE,BAUD")
-    return TerminalLink(device, int(baud) if comma else BAUD_DEFAULT)
+    return TerminalLink(device, speed)
+
+
+def parse_number(text: str) -> int | None:
+    """A whole number of ASCII digits, as long as one may sensibly be; None: it is none."""
+    return int(text) if text.isascii() and text.isdecimal() and len(text) <= 10 else None
 
 
 def parse_address(text: str, url: str) -> tuple[str, int]:
-    host, colon, port = text.rpartition(":")
-    if not colon or not host or not port.isdecimal() or int(port) > 65535:
+    """HOST:PORT. UrlError says in one line what is wrong with it; whether there is such a host is
+    another matter."""
+    host, colon, digits = text.rpartition(":")
+    port = parse_number(digits)
+    if not colon or not host or port is None or port > 65535:
         raise UrlError(f"'{text}' in '{url}' is no HOST:PORT")
     if host.startswith("[") and host.endswith("]"):
-        return host[1:-1], int(port)
-    if ":" in host:
+        host = host[1:-1]
+    elif ":" in host:
         raise UrlError(f"'{text}' in '{url}' is no HOST:PORT; an IPv6 address goes in brackets")
-    return host, int(port)
+    if not _is_host(host):
+        raise UrlError(f"'{host}' in '{url}' is no host name or address")
+    return host, port
+
+
+def _parse_peer(text: str, url: str) -> tuple[str, int]:
+    host, port = parse_address(text, url)
+    if port == 0:
+        raise UrlError(f"'{text}' in '{url}': nobody listens on port 0")
+    return host, port
+
+
+def _is_host(host: str) -> bool:
+    """As far as its characters go: parts of 1 to 63 of them, no space and no control."""
+    try:
+        host.encode("idna")
+    except UnicodeError:
+        return False
+    return host.isprintable() and not any(c.isspace() for c in host)
 
 
 def _resolve(address: tuple[str, int]) -> tuple[socket.AddressFamily, Any]:
@@ -440,8 +469,8 @@ def _show(address: Any) -> str:
     return f"[{host}]:{port}" if ":" in str(host) else f"{host}:{port}"
 
 
-def _wait(fileno: int, timeout_s: float) -> bool:
+def wait_readable(fileno: int, timeout_s: float | None) -> bool:
     """Whether there is something to read. Unlike select(), any file number will do."""
     poller = select.poll()
     poller.register(fileno, select.POLLIN)
-    return bool(poller.poll(math.ceil(timeout_s * 1000)))
+    return bool(poller.poll(None if timeout_s is None else math.ceil(timeout_s * 1000)))

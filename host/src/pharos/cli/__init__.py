@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import io
 import logging
 import os
 import sys
@@ -58,6 +59,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     args = _parser().parse_args(argv)
     # python-can and dronecan log what they then raise.
     logging.disable(logging.CRITICAL)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            # What the terminal's character set lacks is shown as its escape.
+            stream.reconfigure(errors="backslashreplace")
     printer = Printer(sys.stdout, sys.stderr, args.json)
     try:
         return int(args.run(args, printer))

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -20,6 +19,7 @@ from ..dialect import load_dialect
 from ..errors import PharosError, SilentError, UsageError
 from ..light import Light
 from ..link import Pacer, RealPacer
+from ..text import json_line
 from ..tunnel import TunnelLink
 from .shell import Printer
 
@@ -83,7 +83,7 @@ class Monitor:
             to, suffix = str(header.destination), "?" if header.is_request else "!"
         text = (
             f"{self._now_s():10.6f}  {header.source or 'anonymous'} → {to}  {name}{suffix}  "
-            f"{json.dumps(fields, ensure_ascii=False)}"
+            f"{json_line(fields)}"
         )
         self._printer.fields(
             text,
@@ -289,5 +289,5 @@ def broadcast(
         raise PharosError(f"node {who} stays {state}")
     state = "on" if wanted_on else "off"
     name = transport.get_dronecan_data_type(message).full_name
-    text = "\n".join(f"node {number} is {state}" for number in agreeing)
+    text = [f"node {number} is {state}" for number in agreeing]
     printer.fields(text, command=args.action, ok=True, type=name, nodes=agreeing, on=wanted_on)

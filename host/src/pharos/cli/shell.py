@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from collections.abc import Callable, Sequence
@@ -12,6 +11,7 @@ from typing import IO, Any
 
 from ..errors import CommandError, PharosError, SilentError, UsageError
 from ..light import Light, Status
+from ..text import json_line, printable
 
 OK, REFUSED, USAGE, SILENT = 0, 1, 2, 3
 
@@ -28,18 +28,20 @@ def exit_code(error: PharosError) -> int:
 
 
 class Printer:
-    """Text for people, or one JSON object per line; errors also in one line on `err`."""
+    """Text for people, or one JSON object per line; errors also in one line on `err`. Whatever
+    stands in a text, the terminal shows it and obeys none of it."""
 
     def __init__(self, out: IO[str], err: IO[str], as_json: bool = False) -> None:
         self._out = out
         self._err = err
         self.as_json = as_json
 
-    def fields(self, line: str, /, **fields: Any) -> None:
-        if self.as_json:
-            line = json.dumps(_without_nan(fields), ensure_ascii=False)
-        if line:
-            print(line, file=self._out, flush=True)
+    def fields(self, text: str | Sequence[str], /, **fields: Any) -> None:
+        """text: a line, or several. JSON has the fields instead."""
+        lines = [text] if isinstance(text, str) else text
+        shown = json_line(fields) if self.as_json else "\n".join(map(printable, lines))
+        if shown:
+            print(shown, file=self._out, flush=True)
 
     def error(self, error: PharosError, command: str = "") -> None:
         text = f"{command}: {error}" if command else str(error)
@@ -49,18 +51,7 @@ class Printer:
                 fields["result"] = error.result
             self.fields("", **fields, ok=False, error=str(error))
         self._out.flush()
-        print(f"pharos: {text}", file=self._err, flush=True)
-
-
-def _without_nan(value: Any) -> Any:
-    """JSON has no NaN."""
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    if isinstance(value, dict):
-        return {name: _without_nan(item) for name, item in value.items()}
-    if isinstance(value, list):
-        return [_without_nan(item) for item in value]
-    return value
+        print(f"pharos: {printable(text)}", file=self._err, flush=True)
 
 
 @dataclass(frozen=True)
@@ -269,7 +260,7 @@ def _parse_help(words: Sequence[str]) -> Callable[[Shell], None]:
     if words and words[0] not in COMMANDS:
         raise UsageError(f"'{words[0]}' is no command")
     chosen = [COMMANDS[words[0]]] if words else list(COMMANDS.values())
-    text = "\n".join(f"{command.usage:<28}{command.help}" for command in chosen)
+    text = [f"{command.usage:<28}{command.help}" for command in chosen]
     names = {command.name: command.usage for command in chosen}
     return lambda shell: shell.printer.fields(text, command="help", ok=True, usage=names)
 
