@@ -11,6 +11,9 @@
 # make format  lay out C and Python sources
 # make clean
 
+# Debian's own compilers and tools, whichever others a shell would find first.
+export PATH := /usr/sbin:/usr/bin:/sbin:/bin
+
 PRESET ?= native
 # Where a ground station listens by default, and a port to connect to.
 ARGS ?= --uart0 udpout:127.0.0.1:14550 --uart1 tcpin:127.0.0.1:5770

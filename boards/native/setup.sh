@@ -5,6 +5,9 @@
 # from requirements.txt. Installs what is missing when root, else names it. Quick when all is there.
 set -eu
 cd "$(dirname "$0")/../.."
+# Debian's own interpreter, whichever else a shell would find first.
+PATH=/usr/sbin:/usr/bin:/sbin:/bin
+export PATH
 
 BUILD="gcc libc6-dev cmake ninja-build pkg-config libjansson-dev nettle-dev libgpiod-dev python3 python3-venv"
 TEST="$BUILD clang libclang-rt-14-dev clang-format binutils shellcheck gcc-arm-none-eabi
@@ -38,7 +41,7 @@ if [ -n "$missing" ]; then
 fi
 
 stamp=.venv/pharos.stamp
-wanted=$(cat requirements.txt host/pyproject.toml | sha256sum)
+wanted=$(python3 -VV | cat - requirements.txt host/pyproject.toml | sha256sum)
 if [ "$(cat "$stamp" 2>/dev/null)" != "$wanted" ]; then
 	echo "setup: making .venv from requirements.txt"
 	python3 -m venv --clear .venv

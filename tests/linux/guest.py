@@ -24,7 +24,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import tarfile
 import tempfile
 import threading
 import time
@@ -240,8 +239,7 @@ def _build_libgpiod2(version: str) -> Path:
     prefix.mkdir(parents=True)
     _run(sys.executable, "-m", "pip", "download", "-q", "--disable-pip-version-check", "--no-deps",
          "--no-binary", "gpiod", "-d", prefix, f"gpiod=={version}")  # fmt: skip
-    with tarfile.open(next(prefix.glob("gpiod-*.tar.gz"))) as archive:
-        archive.extractall(prefix, filter="data")
+    _run("tar", "-xzf", next(prefix.glob("gpiod-*.tar.gz")), "-C", prefix)
     source = prefix / f"gpiod-{version}"
     release = (source / "libgpiod-version.txt").read_text().strip()
     includes = ("-I", source / "include", "-I", source / "lib")
