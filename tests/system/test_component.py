@@ -15,7 +15,6 @@ import pytest
 from harness import (
     ACCEPTED,
     BUS,
-    FAILED,
     INFORMATION,
     ON_OFF,
     REQUEST_MESSAGE,
@@ -40,6 +39,12 @@ PARAM_ENCODE_BYTEWISE = 16
 MAVLINK2 = 8192
 
 V1, V2 = 0xFE, 0xFD
+
+LONG_IDS = {
+    PROTOCOL_VERSION: "PROTOCOL_VERSION",
+    INFORMATION: "COMPONENT_INFORMATION_BASIC",
+    STATUS: "ILLUMINATOR_STATUS",
+}
 
 
 def heartbeats(messages: list[Any]) -> list[Any]:
@@ -68,13 +73,18 @@ def test_a_mavlink_1_peer_hears_mavlink_1_and_no_id_above_255(old: Light) -> Non
     assert len(heartbeats(came)) == 5
 
 
-def test_a_mavlink_1_peer_is_told_that_a_long_id_cannot_be_sent(old: Light) -> None:
-    for message in (STATUS, INFORMATION, PROTOCOL_VERSION):
-        assert old.mav.command_long(REQUEST_MESSAGE, message).result == FAILED
+def test_a_mavlink_1_peer_gets_what_it_asks_for_in_the_version_that_carries_it(old: Light) -> None:
+    """The handshake of MAVLink's guide: PROTOCOL_VERSION asked for in 1 is answered in 2."""
+    for message, name in LONG_IDS.items():
+        ack = old.mav.command_long(REQUEST_MESSAGE, message)
+        assert (ack.result, version_of(ack)) == (ACCEPTED, V1)
+        assert version_of(old.mav.recv(name, timeout_us=0)) == V2
     assert old.mav.command_long(REQUEST_MESSAGE, AUTOPILOT_VERSION).result == ACCEPTED
-    assert old.mav.recv("AUTOPILOT_VERSION", timeout_us=0).capabilities & MAVLINK2
+    version = old.mav.recv("AUTOPILOT_VERSION", timeout_us=0)
+    assert (version_of(version), version.capabilities & MAVLINK2) == (V1, MAVLINK2)
     assert old.on() == ACCEPTED
     assert old.level_ppm() > 0
+    assert {version_of(m) for m in old.collect(3)} == {V1}
 
 
 def test_the_first_mavlink_2_frame_ends_mavlink_1(old: Light) -> None:

@@ -80,9 +80,6 @@ uint8_t mavlink_set_message_interval(const struct mavlink_context *context,
 	if ((row->flags & MAVLINK_MESSAGE_FIXED) != 0 && interval_us != row->interval_us) {
 		return MAV_RESULT_DENIED;
 	}
-	if (!mavlink_link_carries(context->endpoint, context->link, row->kind.id)) {
-		return MAV_RESULT_FAILED;
-	}
 	mavlink_stream_set(context, row, links, interval_us);
 	return MAV_RESULT_ACCEPTED;
 }
@@ -91,9 +88,6 @@ static uint8_t reply_with(const struct mavlink_context *context,
                           const struct mavlink_message_row *row, float argument, uint8_t links,
                           struct mavlink_reply *reply)
 {
-	if (!mavlink_link_carries(context->endpoint, context->link, row->kind.id)) {
-		return MAV_RESULT_FAILED;
-	}
 	memset(reply->payload.bytes, 0, row->kind.length);
 
 	const uint8_t result = row->fill(context, argument, reply->payload.bytes);
@@ -244,7 +238,9 @@ static void carry_out(const struct mavlink_context *context, const struct mavlin
 		return;
 	}
 	for (uint8_t link = 0; link < MAVLINK_LINKS_MAX; link++) {
-		if ((reply.links & 1u << link) != 0) {
+		if (link == context->link) {
+			mavlink_send_asked(context, link, &reply.row->kind, reply.payload.bytes);
+		} else if ((reply.links & 1u << link) != 0) {
 			(void)mavlink_send(context, link, &reply.row->kind, reply.payload.bytes);
 		}
 	}

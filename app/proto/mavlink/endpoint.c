@@ -72,6 +72,7 @@ void mavlink_endpoint_link_up(struct mavlink_endpoint *self, int64_t now_us, uin
 	self->config.links |= (uint8_t)(1u << link);
 	self->links[link].version = 0;
 	for (uint8_t i = 0; i < self->component_count; i++) {
+		self->components[i].asked[link] = 0;
 		mavlink_streams_reset(&self->components[i], now_us, link);
 		self->due_us = now_us;
 	}
@@ -117,12 +118,12 @@ static uint8_t forward(struct mavlink_endpoint *self, int64_t now_us, uint8_t li
 	return 0;
 }
 
-/* The first frame decides what a link is spoken to in; version 2, once heard, stays. */
-static void link_heard(struct mavlink_link *link, uint8_t version)
+/* The first frame of a peer decides what a link is spoken to in; version 2, once heard, stays. */
+static void link_heard(struct mavlink_link *link, const struct mavlink_frame *frame)
 {
 	link->stats.rx_frames++;
-	if (version > link->version) {
-		link->version = version;
+	if (frame->version > link->version && !mavlink_is_relay(frame)) {
+		link->version = frame->version;
 	}
 }
 
@@ -171,7 +172,7 @@ void mavlink_endpoint_receive(struct mavlink_endpoint *self, int64_t now_us, uin
 		self->links[link].stats.rx_echoes++;
 		return;
 	}
-	link_heard(&self->links[link], frame.version);
+	link_heard(&self->links[link], &frame);
 	out->forward = forward(self, now_us, link, &frame);
 	if (!mavlink_admit(self, now_us, link, &frame)) {
 		return;
@@ -296,8 +297,8 @@ void mavlink_endpoint_observe(struct mavlink_endpoint *self, int64_t now_us,
 	}
 }
 
-bool mavlink_send(const struct mavlink_context *context, uint8_t link,
-                  const struct mavlink_kind *kind, const void *payload)
+static bool send_in(const struct mavlink_context *context, uint8_t link, uint8_t version,
+                    const struct mavlink_kind *kind, const void *payload)
 {
 	struct mavlink_outbox *const out = context->out;
 	struct mavlink_link *const to = &context->endpoint->links[link];
@@ -306,7 +307,7 @@ bool mavlink_send(const struct mavlink_context *context, uint8_t link,
 	PHAROS_ASSERT(mavlink_outbox_has_room(out));
 
 	const struct mavlink_sender sender = {
-		.version = mavlink_link_version(context->endpoint, link),
+		.version = version,
 		.sequence = *sequence,
 		.system_id = context->endpoint->config.system_id,
 		.component_id = context->component->id,
@@ -330,6 +331,20 @@ bool mavlink_send(const struct mavlink_context *context, uint8_t link,
 	(*sequence)++;
 	to->stats.tx_frames++;
 	return true;
+}
+
+bool mavlink_send(const struct mavlink_context *context, uint8_t link,
+                  const struct mavlink_kind *kind, const void *payload)
+{
+	return send_in(context, link, mavlink_link_version(context->endpoint, link), kind, payload);
+}
+
+void mavlink_send_asked(const struct mavlink_context *context, uint8_t link,
+                        const struct mavlink_kind *kind, const void *payload)
+{
+	if (!mavlink_send(context, link, kind, payload)) {
+		(void)send_in(context, link, 2, kind, payload);
+	}
 }
 
 int64_t mavlink_bulk_due_us(const struct mavlink_endpoint *self, uint8_t link)

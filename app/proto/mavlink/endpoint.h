@@ -17,7 +17,15 @@
  *
  * Rules: a frame is for a component when its target is 0 or the component's, in both ids; what is
  * for others meets silence. An answer goes to the link and ids that the question came from.
- * Broadcasts go to every link. A link that has only spoken version 1 is spoken to in version 1.
+ * Broadcasts go to every link.
+ *
+ * Version: a link on which peers have only spoken version 1 is spoken to in version 1; the first
+ * version 2 frame of a peer ends that, until the link goes down. Relays are no peers: what a modem
+ * or a router says about itself (mavlink_is_relay, internal.h) decides nothing. What only version
+ * 2 carries, and was asked for by name on that link, goes out in version 2 whatever the link's
+ * version: a message requested, a stream whose interval was set. So the handshake of the guide
+ * works: who asks for PROTOCOL_VERSION in version 1 is answered in version 2.
+ *
  * With a key (signing.h), what is not rightly signed is not heard, and everything goes out signed,
  * in version 2. With routing (router.h), what others say to each other goes on to their links.
  * An answer is never more than a few frames, which always fit the outbox; streams that do not fit
@@ -155,6 +163,7 @@ struct mavlink_component {
 	struct mavlink_running running;
 	uint8_t id;
 	uint8_t sequence[MAVLINK_LINKS_MAX];
+	uint16_t asked[MAVLINK_LINKS_MAX]; /* bit per stream whose interval a peer there has set */
 	struct mavlink_stream streams[MAVLINK_LINKS_MAX][MAVLINK_MESSAGES_MAX];
 };
 
@@ -289,6 +298,10 @@ bool mavlink_endpoint_text(struct mavlink_endpoint *self, int64_t now_us, uint8_
  */
 bool mavlink_send(const struct mavlink_context *context, uint8_t link,
                   const struct mavlink_kind *kind, const void *payload);
+
+/* The same for what was asked for by name on that link: in version 2 where 1 can't carry it. */
+void mavlink_send_asked(const struct mavlink_context *context, uint8_t link,
+                        const struct mavlink_kind *kind, const void *payload);
 
 /*
  * Bulk (a list of parameters, a file) shares MAVLINK_BULK_PERCENT of a link's rate, so that the

@@ -349,7 +349,10 @@ static void observe(const struct mavlink_context *context, const struct illumina
 	}
 }
 
-/* Ground stations and autopilots command lights; other peripherals' heartbeats say nothing. */
+/*
+ * Ground stations and autopilots command lights; other peripherals' heartbeats say nothing, nor do
+ * relays', which go on when whoever spoke through them has gone.
+ */
 static void heartbeat(const struct mavlink_context *context, const struct mavlink_frame *frame)
 {
 	const struct mavlink_illuminator *const self = context->component->service;
@@ -365,7 +368,8 @@ static void heartbeat(const struct mavlink_context *context, const struct mavlin
 	};
 
 	mavlink_vehicle_heard(&context->endpoint->vehicle, context->now_us, &said);
-	if (wire.type == MAV_TYPE_GCS || wire.autopilot != MAV_AUTOPILOT_INVALID) {
+	if (!mavlink_is_relay(frame) &&
+	    (wire.type == MAV_TYPE_GCS || wire.autopilot != MAV_AUTOPILOT_INVALID)) {
 		arbiter_heard(self->arbiter, context->now_us, ARBITER_SOURCE_MAVLINK);
 	}
 }

@@ -45,7 +45,10 @@ void mavlink_streams_init(struct mavlink_component *component, int64_t now_us);
 /* The same for one link. */
 void mavlink_streams_reset(struct mavlink_component *component, int64_t now_us, uint8_t link);
 
-/* interval_us: MAVLINK_INTERVAL_OFF or > 0. links: bit per link. */
+/*
+ * interval_us: MAVLINK_INTERVAL_OFF or > 0. links: bit per link. On the context's own link the
+ * message counts as asked for.
+ */
 void mavlink_stream_set(const struct mavlink_context *context,
                         const struct mavlink_message_row *row, uint8_t links, int32_t interval_us);
 
@@ -58,10 +61,14 @@ bool mavlink_streams_step(struct mavlink_context *context);
 /* When the next stream of any component is due. */
 int64_t mavlink_streams_due_us(const struct mavlink_endpoint *endpoint);
 
-/* Can the link carry the message? Version 1 has ids up to 255. */
-bool mavlink_link_carries(const struct mavlink_endpoint *endpoint, uint8_t link, uint32_t id);
-
 /* --- endpoint.c ------------------------------------------------------------------------------- */
+
+/*
+ * Does a relay speak for itself here? A modem (component 68, or RADIO_STATUS and RADIO, whoever's
+ * ids they carry), a bridge or a tunnel node (240 … 242); and a HEARTBEAT of an onboard computer
+ * (191 … 194), since routers that run there say they are ground stations, and in version 1.
+ */
+bool mavlink_is_relay(const struct mavlink_frame *frame);
 
 /* Are these ids exactly those of one of our components? */
 bool mavlink_is_ours(const struct mavlink_endpoint *endpoint, uint8_t system, uint8_t component);

@@ -13,6 +13,34 @@
 /* Of every component. */
 #define CAPABILITIES (MAV_PROTOCOL_CAPABILITY_MAVLINK2 | MAV_PROTOCOL_CAPABILITY_COMMAND_INT)
 
+/* ardupilotmega.xml RADIO, what RADIO_STATUS was before; common.xml has left it out. */
+#define MESSAGE_RADIO 166
+
+bool mavlink_is_relay(const struct mavlink_frame *frame)
+{
+	switch (frame->message_id) {
+	case MAVLINK_MSG_ID_RADIO_STATUS:
+	case MESSAGE_RADIO:
+		return true;
+	default:
+		break;
+	}
+	switch (frame->component_id) {
+	case MAV_COMP_ID_TELEMETRY_RADIO:
+	case MAV_COMP_ID_UDP_BRIDGE:
+	case MAV_COMP_ID_UART_BRIDGE:
+	case MAV_COMP_ID_TUNNEL_NODE:
+		return true;
+	case MAV_COMP_ID_ONBOARD_COMPUTER:
+	case MAV_COMP_ID_ONBOARD_COMPUTER2:
+	case MAV_COMP_ID_ONBOARD_COMPUTER3:
+	case MAV_COMP_ID_ONBOARD_COMPUTER4:
+		return frame->message_id == MAVLINK_MSG_ID_HEARTBEAT;
+	default:
+		return false;
+	}
+}
+
 uint8_t mavlink_fill_heartbeat(const struct mavlink_context *context, float argument, void *payload)
 {
 	const struct mavlink_component *const component = context->component;

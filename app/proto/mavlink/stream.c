@@ -54,6 +54,7 @@ void mavlink_stream_set(const struct mavlink_context *context,
 {
 	const size_t index = row_index(context->component, row);
 
+	context->component->asked[context->link] |= (uint16_t)(1u << index);
 	for (uint8_t link = 0; link < MAVLINK_LINKS_MAX; link++) {
 		if ((links & 1u << link) == 0) {
 			continue;
@@ -80,9 +81,14 @@ int32_t mavlink_stream_interval_us(const struct mavlink_context *context,
 	        .interval_us;
 }
 
-bool mavlink_link_carries(const struct mavlink_endpoint *endpoint, uint8_t link, uint32_t id)
+/* A default stream that the link's version can't carry is silent there. */
+static bool is_carried(const struct mavlink_context *context, size_t index)
 {
-	return id <= MAVLINK_V1_MESSAGE_MAX || mavlink_link_version(endpoint, link) != 1;
+	const struct mavlink_component *const component = context->component;
+
+	return component->profile->messages[index].kind.id <= MAVLINK_V1_MESSAGE_MAX ||
+	       mavlink_link_version(context->endpoint, context->link) != 1 ||
+	       (component->asked[context->link] & 1u << index) != 0;
 }
 
 /* The next time on the grid; a stream that fell behind starts a new grid. */
@@ -94,15 +100,16 @@ static void stream_advance(struct mavlink_stream *stream, int64_t now_us)
 	}
 }
 
-static void stream_send(const struct mavlink_context *context,
-                        const struct mavlink_message_row *row, struct mavlink_stream *stream)
+static void stream_send(const struct mavlink_context *context, size_t index,
+                        struct mavlink_stream *stream)
 {
+	const struct mavlink_message_row *const row = &context->component->profile->messages[index];
 	union mavlink_payload payload;
 
-	if (mavlink_link_carries(context->endpoint, context->link, row->kind.id)) {
+	if (is_carried(context, index)) {
 		memset(payload.bytes, 0, row->kind.length);
 		if (row->fill(context, NAN, payload.bytes) == 0) {
-			(void)mavlink_send(context, context->link, &row->kind, payload.bytes);
+			mavlink_send_asked(context, context->link, &row->kind, payload.bytes);
 		}
 	}
 	stream->sent_us = (uint32_t)context->now_us;
@@ -132,7 +139,7 @@ static bool component_step(struct mavlink_context *context)
 			if (!mavlink_outbox_has_room(context->out)) {
 				return false;
 			}
-			stream_send(context, &component->profile->messages[i], stream);
+			stream_send(context, i, stream);
 		}
 	}
 	return true;

@@ -78,19 +78,177 @@ ZTEST(mavlink_addressing, test_version_1_until_a_version_2_frame_comes)
 	zassert_equal(tally.statuses[0], 3);
 }
 
-ZTEST(mavlink_addressing, test_request_that_version_1_cannot_answer_fails)
+/* A message from anyone in any version. */
+static void receive_from(uint8_t link, const struct mavlink_sender *who,
+                         const struct mavlink_kind *kind, const void *payload)
 {
-	mavlink_command_ack_t ack;
-	mavlink_command_long_t wire = {
-		.param1 = 440, .command = 512, .target_system = 1, .target_component = 243};
-	static const struct mavlink_kind kind = MAVLINK_KIND(COMMAND_LONG);
-	const struct mavlink_sender ground = {.version = 1, .system_id = 255, .component_id = 190};
 	uint8_t bytes[MAVLINK_FRAME_MAX];
 
-	receive(0, bytes, mavlink_frame_build(bytes, &ground, &kind, &wire));
-	zassert_equal(out.count, 1);
+	receive(link, bytes, mavlink_frame_build(bytes, who, kind, payload));
+}
+
+static const struct mavlink_sender old_ground = {
+	.version = 1, .system_id = 255, .component_id = 190};
+
+static void ask_in_version_1(uint16_t id, float first, float second)
+{
+	static const struct mavlink_kind kind = MAVLINK_KIND(COMMAND_LONG);
+	const mavlink_command_long_t wire = {.param1 = first,
+	                                     .param2 = second,
+	                                     .command = id,
+	                                     .target_system = 1,
+	                                     .target_component = 243};
+
+	receive_from(0, &old_ground, &kind, &wire);
+}
+
+/* The handshake of mavlink.io/en/guide/mavlink_version.html, by ArduPilot's own bytes. */
+ZTEST(mavlink_addressing, test_version_1_handshake_is_answered_in_version_2)
+{
+	static const uint8_t heartbeat[] = {0xFE, 0x09, 0x00, 0xFF, 0xBE, 0x00, 0x00, 0x00, 0x00,
+	                                    0x00, 0x06, 0x08, 0x00, 0x04, 0x03, 0x49, 0x21};
+	/* REQUEST_MESSAGE, param1 300, to 1/243 */
+	static const uint8_t question[] = {
+		0xFE, 0x21, 0x01, 0xFF, 0xBE, 0x4C, 0x00, 0x00, 0x96, 0x43, 0x00, 0x00, 0x00, 0x00,
+		0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
+		0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x02, 0x01, 0xF3, 0x00, 0x28, 0x39};
+	mavlink_protocol_version_t version;
+	mavlink_command_ack_t ack;
+
+	receive(0, heartbeat, sizeof(heartbeat));
+	receive(0, question, sizeof(question));
+	zassert_equal(out.count, 2);
 	sent_payload(0, 77, &ack, sizeof(ack));
-	zassert_equal(ack.result, MAV_RESULT_FAILED);
+	zassert_equal(ack.result, MAV_RESULT_ACCEPTED);
+	zassert_equal(sent(0).version, 1);
+	sent_payload(1, 300, &version, sizeof(version));
+	zassert_equal(sent(1).version, 2);
+	zassert_equal(version.version, 100, "the link still is one of version 1");
+	zassert_equal(version.max_version, 200);
+}
+
+ZTEST(mavlink_addressing, test_what_only_version_2_carries_comes_when_asked_for)
+{
+	static const uint16_t messages[] = {300, 396, 397, 440};
+
+	for (size_t i = 0; i < ARRAY_SIZE(messages); i++) {
+		ask_in_version_1(512, messages[i], 0.0f);
+		zassert_equal(out.count, 2, "message %u", messages[i]);
+		zassert_equal(sent(1).message_id, messages[i]);
+		zassert_equal(sent(1).version, 2);
+	}
+	ask_in_version_1(512, 148, 0.0f); /* AUTOPILOT_VERSION fits version 1 */
+	zassert_equal(out.count, 2);
+	zassert_equal(sent(1).version, 1);
+}
+
+ZTEST(mavlink_addressing, test_stream_that_version_1_asked_for_comes_in_version_2)
+{
+	struct tally tally;
+
+	ask_in_version_1(511, 440.0f, 500000.0f);
+	zassert_equal(out.count, 1);
+	tally = run_until(2 * SECOND + 1);
+	zassert_equal(tally.statuses[0], 4);
+	zassert_equal(tally.heartbeats[0], 3);
+
+	/* whoever comes after a link was down has not asked */
+	mavlink_endpoint_link_down(&endpoint, 0);
+	mavlink_endpoint_link_up(&endpoint, now_us, 0);
+	ask_in_version_1(405, 1.0f, 0.0f);
+	tally = run_until(4 * SECOND + 1);
+	zassert_equal(tally.statuses[0], 0);
+	zassert_equal(tally.heartbeats[0], 3);
+}
+
+ZTEST(mavlink_addressing, test_message_for_all_links_keeps_to_their_versions)
+{
+	const mavlink_command_long_t wire = {.param1 = 440,
+	                                     .param7 = 2,
+	                                     .command = 512,
+	                                     .target_system = 1,
+	                                     .target_component = 243};
+	static const struct mavlink_kind kind = MAVLINK_KIND(COMMAND_LONG);
+	static const struct mavlink_kind heartbeat_kind = MAVLINK_KIND(HEARTBEAT);
+	const mavlink_heartbeat_t heartbeat = {.type = MAV_TYPE_GCS};
+
+	receive_from(1, &old_ground, &heartbeat_kind, &heartbeat);
+	receive_from(0, &old_ground, &kind, &wire);
+	zassert_equal(out.count, 2, "nobody on link 1 asked for it");
+	zassert_equal(out.frames[1].link, 0);
+	zassert_equal(sent(1).version, 2);
+}
+
+/* What relays say about themselves, in whichever version, is not what their peers speak. */
+ZTEST(mavlink_addressing, test_relays_have_no_say_in_the_version)
+{
+	static const struct mavlink_kind radio_status = MAVLINK_KIND(RADIO_STATUS);
+	static const struct mavlink_kind radio = {
+		.id = 166, .crc_extra = 21, .min_length = 9, .length = 9}; /* ardupilotmega.xml */
+	static const struct mavlink_kind heartbeat = MAVLINK_KIND(HEARTBEAT);
+	static const struct {
+		const struct mavlink_kind *kind;
+		uint8_t component;
+		bool is_peer;
+	} table[] = {
+		{&radio_status, 68, false}, /* SiK: system '3', component 'D' */
+		{&radio_status, 1, false},  /* a modem with the vehicle's ids */
+		{&radio, 68, false},        /* older firmware */
+		{&heartbeat, 68, false},    /* mLRS */
+		{&heartbeat, 240, false},   /* MAVLink bridges of ESP8266 and ESP32 */
+		{&heartbeat, 241, false},   {&heartbeat, 242, false},
+		{&heartbeat, 191, false}, /* mavp2p: 125/191, a ground station, version 1 */
+		{&heartbeat, 194, false},   {&heartbeat, 195, true},
+		{&heartbeat, 190, true},    {&heartbeat, 1, true},
+	};
+	const mavlink_heartbeat_t payload = {.type = MAV_TYPE_GCS};
+
+	for (size_t i = 0; i < ARRAY_SIZE(table); i++) {
+		for (uint8_t version = 1; version <= 2; version++) {
+			const struct mavlink_sender who = {.version = version,
+			                                   .system_id = 51,
+			                                   .component_id = table[i].component};
+
+			fixture_before(NULL);
+			receive_from(0, &who, table[i].kind, &payload);
+			zassert_equal(endpoint.links[0].version, table[i].is_peer ? version : 0,
+			              "row %zu, version %u", i, version);
+			zassert_equal(endpoint.links[0].stats.rx_frames, 1);
+		}
+	}
+}
+
+/* An onboard computer that commands the light is a peer. */
+ZTEST(mavlink_addressing, test_onboard_computer_that_commands_decides_the_version)
+{
+	static const struct mavlink_kind kind = MAVLINK_KIND(COMMAND_LONG);
+	const mavlink_command_long_t wire = {
+		.param1 = 1, .command = 405, .target_system = 1, .target_component = 243};
+	const struct mavlink_sender who = {.version = 1, .system_id = 1, .component_id = 191};
+
+	receive_from(0, &who, &kind, &wire);
+	zassert_equal(out.count, 1);
+	zassert_equal(sent(0).version, 1);
+}
+
+/* A router that goes on, while the ground station behind it has gone, is no sign of life. */
+ZTEST(mavlink_addressing, test_relays_heartbeat_is_no_commanders)
+{
+	static const struct mavlink_kind kind = MAVLINK_KIND(HEARTBEAT);
+	const mavlink_heartbeat_t payload = {.type = MAV_TYPE_GCS};
+	const struct arbiter_config config = {.loss_us = SECOND,
+	                                      .fallback = ILLUMINATOR_FALLBACK_OFF,
+	                                      .priority = ARBITER_SOURCE_NONE};
+	struct mavlink_sender who = {.version = 2, .system_id = 125, .component_id = 191};
+
+	arbiter_configure(&arbiter, &config);
+	zassert_equal(COMMAND(405, 1), MAV_RESULT_ACCEPTED);
+	now_us = SECOND / 2;
+	receive_from(0, &who, &kind, &payload);
+	zassert_equal(arbiter_deadline_us(&arbiter), SECOND);
+	who.component_id = 190;
+	receive_from(0, &who, &kind, &payload);
+	zassert_equal(arbiter_deadline_us(&arbiter), SECOND * 3 / 2);
 }
 
 ZTEST(mavlink_addressing, test_each_link_has_its_own_sequence)
