@@ -39,6 +39,9 @@ from pharos import Simulator, Source, Target
 GIMBAL_DEVICE_INFORMATION = 283
 COMPONENT_METADATA_OF_QGC = 280  # GIMBAL_MANAGER_INFORMATION, what QGroundControl asks everyone for
 DO_SET_SERVO = 183
+COMPONENT_ARM_DISARM = 400
+PREFLIGHT_REBOOT_SHUTDOWN = 246
+ATTITUDE = 30
 UNKNOWN_COMMAND = 31_999
 UNKNOWN_MESSAGE = 1_234_567
 
@@ -76,8 +79,26 @@ def test_unknown_command_is_unsupported(light: Light, command: int) -> None:
     assert light.mav.command_int(command, 1).result == UNSUPPORTED
 
 
-def test_unknown_command_to_all_is_answered_too(light: Light) -> None:
-    assert light.mav.command_long(UNKNOWN_COMMAND, target=Target(0, 0)).result == UNSUPPORTED
+@pytest.mark.parametrize(
+    "command",
+    [
+        (UNKNOWN_COMMAND,),
+        (COMPONENT_ARM_DISARM, 1),
+        (REQUEST_MESSAGE, UNKNOWN_MESSAGE),
+        (SET_MESSAGE_INTERVAL, ATTITUDE, 100_000),
+        (PREFLIGHT_REBOOT_SHUTDOWN, 1),
+    ],
+)
+def test_what_is_unknown_meets_silence_when_all_are_asked(
+    light: Light, command: tuple[int, ...]
+) -> None:
+    """MAVSDK ends a command to component 0 at the first acknowledgement of the system."""
+    light.collect(0)
+    for target in (Target(0, 0), Target(1, 0)):
+        light.mav.send_command_long(*command, target=target)
+        light.mav.send_command_int(*command, target=target)
+        assert of("COMMAND_ACK", light.mav.pass_time(5_000_000)) == []
+    assert light.mav.command_long(*command).result in (UNSUPPORTED, DENIED)
 
 
 def test_command_int_switches_and_configures_like_command_long(light: Light) -> None:

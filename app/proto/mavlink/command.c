@@ -169,23 +169,6 @@ static bool is_known(const struct mavlink_component *component,
 	}
 }
 
-/* A command to all is for those that know it; when none does, the first says so. */
-static bool is_to_answer(const struct mavlink_context *context,
-                         const struct mavlink_command *command)
-{
-	const struct mavlink_endpoint *const endpoint = context->endpoint;
-
-	if (!command->to_all || is_known(context->component, command)) {
-		return true;
-	}
-	for (uint8_t i = 0; i < endpoint->component_count; i++) {
-		if (is_known(&endpoint->components[i], command)) {
-			return false;
-		}
-	}
-	return context->component == &endpoint->components[0];
-}
-
 /* While one that takes time runs, it isn't begun again, nor another one. */
 static uint8_t run(const struct mavlink_context *context, const struct mavlink_command *command,
                    struct mavlink_reply *reply)
@@ -223,16 +206,19 @@ static void carry_out(const struct mavlink_context *context, const struct mavlin
 {
 	struct mavlink_reply reply;
 
-	if (!is_to_answer(context, command)) {
+	if (command->to_all && !is_known(context->component, command)) {
 		return;
 	}
 	reply.row = NULL;
 	reply.detail = 0;
-	context->endpoint->links[context->link].stats.rx_commands++;
-	context->out->command = command->id;
 
 	const uint8_t result = run(context, command, &reply);
 
+	if (result == MAVLINK_NO_ANSWER) {
+		return;
+	}
+	context->endpoint->links[context->link].stats.rx_commands++;
+	context->out->command = command->id;
 	acknowledge(context, command->id, result, reply.detail);
 	if (reply.row == NULL) {
 		return;

@@ -17,7 +17,9 @@
  *
  * Rules: a frame is for a component when its target is 0 or the component's, in both ids; what is
  * for others meets silence. An answer goes to the link and ids that the question came from.
- * Broadcasts go to every link.
+ * Broadcasts go to every link. A command to all components is answered by those that know it, and
+ * the message that it is about; the others are silent, since there are clients that take the first
+ * acknowledgement for the vehicle's.
  *
  * Version: a link on which peers have only spoken version 1 is spoken to in version 1; the first
  * version 2 frame of a peer ends that, until the link goes down. Relays are no peers: what a modem
@@ -82,6 +84,9 @@ struct mavlink_reply {
 	uint8_t links;                         /* bit per link */
 	union mavlink_payload payload;
 };
+
+/* Instead of a result, of a command to all: what it asks for is somebody else's business. */
+#define MAVLINK_NO_ANSWER 0xFFu
 
 /*
  * run: carries the command out; returns a MAV_RESULT. reply->row is NULL when called.

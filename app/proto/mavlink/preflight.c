@@ -5,7 +5,8 @@
 
 /*
  * 246: param3 is what to do with the component of param4, 0: all. Only rebooting is in our hands;
- * a lamp that is on would go dark, so that needs REBOOT_SHUTDOWN_CONDITIONS_FORCE in param6.
+ * a lamp that is on would go dark, so that needs REBOOT_SHUTDOWN_CONDITIONS_FORCE in param6. To all
+ * it may be about the autopilot alone.
  */
 uint8_t mavlink_preflight_reboot(const struct mavlink_context *context,
                                  const struct mavlink_command *command, struct mavlink_reply *reply)
@@ -19,7 +20,7 @@ uint8_t mavlink_preflight_reboot(const struct mavlink_context *context,
 	    !mavlink_whole(command->param[3], UINT8_MAX, &component) ||
 	    action != REBOOT_SHUTDOWN_ACTION_REBOOT ||
 	    (component != 0 && component != context->component->id)) {
-		return MAV_RESULT_DENIED;
+		return command->to_all ? MAVLINK_NO_ANSWER : MAV_RESULT_DENIED;
 	}
 	if (self->illuminator->settings.enable &&
 	    command->param[5] != (float)REBOOT_SHUTDOWN_CONDITIONS_FORCE) {
@@ -31,7 +32,7 @@ uint8_t mavlink_preflight_reboot(const struct mavlink_context *context,
 
 /*
  * 245: parameters are stored whenever they change, and read at the start, so only putting them back
- * to the defaults has anything to do.
+ * to the defaults has anything to do. To all it may be about an autopilot's sensors or missions.
  */
 uint8_t mavlink_preflight_storage(const struct mavlink_context *context,
                                   const struct mavlink_command *command,
@@ -42,7 +43,7 @@ uint8_t mavlink_preflight_storage(const struct mavlink_context *context,
 
 	(void)reply;
 	if (!mavlink_whole(command->param[0], UINT8_MAX, &action)) {
-		return MAV_RESULT_DENIED;
+		action = UINT8_MAX;
 	}
 	switch (action) {
 	case PARAM_READ_PERSISTENT:
@@ -55,6 +56,6 @@ uint8_t mavlink_preflight_storage(const struct mavlink_context *context,
 		                       context->endpoint->config.links, &context->out->params);
 		return MAV_RESULT_ACCEPTED;
 	default:
-		return MAV_RESULT_DENIED;
+		return command->to_all ? MAVLINK_NO_ANSWER : MAV_RESULT_DENIED;
 	}
 }

@@ -39,8 +39,11 @@ uint8_t mavlink_self_test_run(const struct mavlink_context *context,
 	uint32_t what;
 	uint32_t peak_ppm;
 
-	if (!mavlink_whole(command->param[0], UINT8_MAX, &what) || what != USER_1_SELF_TEST ||
-	    !peak_of(command->param[1], &peak_ppm)) {
+	/* other makers' USER_1 is something else */
+	if (!mavlink_whole(command->param[0], UINT8_MAX, &what) || what != USER_1_SELF_TEST) {
+		return command->to_all ? MAVLINK_NO_ANSWER : MAV_RESULT_DENIED;
+	}
+	if (!peak_of(command->param[1], &peak_ppm)) {
 		return MAV_RESULT_DENIED;
 	}
 

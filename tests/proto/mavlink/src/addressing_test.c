@@ -331,14 +331,48 @@ ZTEST(mavlink_addressing, test_command_to_all_is_for_those_that_know_it)
 	receive_long(0, 0, 0, 512, (struct command_params){{0}});
 	zassert_equal(out.count, 4, "both have a heartbeat");
 	zassert_equal(sent(2).component_id, 154);
-	receive_long(0, 0, 0, 31999, (struct command_params){{0}});
+}
+
+/* To all, the answer to what is unknown here is for those that know it to give. */
+ZTEST(mavlink_addressing, test_unknown_command_to_all_meets_silence)
+{
+	/* COMPONENT_ARM_DISARM to 1/0, as MAVSDK sends it */
+	static const uint8_t arm[] = {0xFD, 0x21, 0x00, 0x00, 0x01, 0xFF, 0xBE, 0x4C, 0x00,
+	                              0x00, 0x00, 0x00, 0x80, 0x3F, 0x00, 0x00, 0x00, 0x00,
+	                              0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
+	                              0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
+	                              0x00, 0x00, 0x90, 0x01, 0x01, 0x00, 0x00, 0xC7, 0x89};
+	static const struct {
+		uint16_t id;
+		float p[4];
+		uint8_t by_name; /* the answer when the light is addressed */
+	} table[] = {
+		{31999, {0}, MAV_RESULT_UNSUPPORTED},
+		{512, {31999}, MAV_RESULT_DENIED},
+		{511, {30, 100000}, MAV_RESULT_DENIED},   /* ATTITUDE */
+		{510, {30}, MAV_RESULT_ACCEPTED},         /* "not available" */
+		{246, {1, 0, 0, 0}, MAV_RESULT_DENIED},   /* reboots the autopilot */
+		{246, {0, 0, 1, 100}, MAV_RESULT_DENIED}, /* reboots a camera */
+		{245, {3}, MAV_RESULT_DENIED},            /* resets the sensors' parameters */
+		{31010, {7}, MAV_RESULT_DENIED},          /* another maker's USER_1 */
+	};
+
+	receive(0, arm, sizeof(arm));
+	zassert_equal(out.count, 0);
+	for (size_t i = 0; i < ARRAY_SIZE(table); i++) {
+		struct command_params params = {0};
+
+		memcpy(params.p, table[i].p, sizeof(table[i].p));
+		receive_long(0, 0, 0, table[i].id, params);
+		zassert_equal(out.count, 0, "row %zu", i);
+		receive_long(0, 1, 0, table[i].id, params);
+		zassert_equal(out.count, 0, "row %zu", i);
+		zassert_equal(command(table[i].id, params), table[i].by_name, "row %zu", i);
+	}
+	zassert_equal(endpoint.links[0].stats.rx_commands, ARRAY_SIZE(table));
+	/* what is refused for its value is the light's to refuse */
+	receive_long(0, 0, 0, 405, (struct command_params){{2}});
 	zassert_equal(out.count, 1);
-	sent_payload(0, 77, &ack, sizeof(ack));
-	zassert_equal(ack.result, MAV_RESULT_UNSUPPORTED);
-	receive_long(0, 0, 0, 512, (struct command_params){{31999}});
-	zassert_equal(out.count, 1);
-	sent_payload(0, 77, &ack, sizeof(ack));
-	zassert_equal(ack.result, MAV_RESULT_DENIED);
 }
 
 ZTEST(mavlink_addressing, test_ping_to_all_is_answered_to_the_asker)
