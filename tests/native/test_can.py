@@ -118,9 +118,10 @@ def test_multicast(node: NewNode) -> None:
 @pytest.mark.parametrize(
     ("bus", "address"),
     [
-        ("udp:3", "udp:127.255.255.255:57735"),
-        ("udp,multicast", "udp:239.65.82.0:57732"),
-        ("udp:9,multicast,paced", "udp:239.65.82.9:57732,paced"),
+        ("udp", "udp:239.65.82.0:57732"),
+        ("udp:3", "udp:239.65.82.3:57732"),
+        ("udp:9,paced", "udp:239.65.82.9:57732,paced"),
+        ("udp:127.255.255.255:57735", "udp:127.255.255.255:57735"),
     ],
 )
 def test_names_of_buses(start: Start, bus: str, address: str) -> None:
@@ -129,7 +130,7 @@ def test_names_of_buses(start: Start, bus: str, address: str) -> None:
 
 
 def test_real_time_is_on_the_bus_by_default_and_virtual_time_is_not(start: Start) -> None:
-    default = "udp:127.255.255.255:57732"
+    default = "udp:239.65.82.0:57732"
     assert start(virtual=False).do("buses")["buses"]["can0"]["address"] == default
     assert start().do("buses")["buses"]["can0"]["address"] == "none"
 
@@ -139,7 +140,8 @@ def test_real_time_is_on_the_bus_by_default_and_virtual_time_is_not(start: Start
     [
         ("token-ring", '"token-ring" is no CAN bus; udp, socketcan:NAME and none are'),
         ("udp:256", "bus: "),
-        ("udp:1,fast", "say udp[:N][,multicast][,paced]"),
+        ("udp:1,fast", "bus: "),
+        ("udp,fast", "say udp[:N][,paced]"),
         ("udp:10.0.0.1:5", "neither 127.255.255.255 nor a multicast address"),
         ("udp:127.255.255.255:0", "port: "),
         ("socketcan:", "say socketcan:NAME"),

@@ -30,7 +30,7 @@ from .link import parse_address, parse_number, wait_readable
 
 GROUP = "239.65.82."
 PORT = 57732
-DEFAULT_CHANNEL = "127.255.255.255:57732"
+DEFAULT_CHANNEL = "0"
 NAME = "pharos-udp"
 MAGIC = 0x2934
 FLAG_FD = 0x0001

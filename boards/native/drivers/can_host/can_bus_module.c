@@ -78,11 +78,11 @@ static int parse_can0(const char *value, struct host_error *error)
 static const struct host_option options[] = {
 	{"can0", "BUS",
          "where the CAN controller is; BUS is one of these:\n"
-         "udp[:N][,multicast]  bus N (0) in UDP datagrams on loopback: broadcast\n"
-         "                     on port 57732 + N, or group 239.65.82.N\n"
-         "udp:ADDRESS:PORT     the same with that broadcast or multicast address\n"
-         "socketcan:NAME       an interface of the system's; it may come and go\n"
-         "none                 not connected\n"
+         "udp[:N]           bus N (0) in UDP datagrams on loopback: what mcast:N is\n"
+         "                  to DroneCAN's tools and ArduPilot's simulator\n"
+         "udp:ADDRESS:PORT  the same on another group, or on 127.255.255.255\n"
+         "socketcan:NAME    an interface of the system's; it may come and go\n"
+         "none              not connected\n"
          "udp in real time, none in virtual time. After udp: ,paced for frames\n"
          "that take their time, by the bit rate (in virtual time too)",
          parse_can0},

@@ -1,12 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A CAN bus in user space: one UDP datagram per frame, broadcast or multicast on loopback, for many
+ * A CAN bus in user space: one UDP datagram per frame, multicast or broadcast on loopback, for many
  * processes, without a broker and without root. One socket hears the bus (shared port), another one
  * speaks: its port is how a node knows its own frames.
+ *
+ * Groups and port are those of `mcast:N` in PyPI's dronecan, the DroneCAN GUI Tool and ArduPilot's
+ * simulator. These join and send wherever the system's route to the group leads, a network too;
+ * this driver sends on loopback, and hears this machine only.
  */
 #include <arpa/inet.h>
 #include <errno.h>
 #include <linux/filter.h>
+#include <linux/if_packet.h>
 #include <linux/sock_diag.h>
 #include <netinet/in.h>
 #include <poll.h>
@@ -21,10 +26,11 @@
 #include "host/carry.h"
 #include "host/clock.h"
 #include "host/options.h"
+#include "host/say.h"
 
-#define PORT            57732
-#define BROADCAST       "127.255.255.255"
-#define MULTICAST_FIRST "239.65.82."
+#define PORT      57732
+#define BROADCAST "127.255.255.255"
+#define GROUP     "239.65.82."
 
 enum {
 	BUS_MAX = 255,
@@ -43,7 +49,7 @@ struct can_udp {
 		int receiver_fd; /* 0: none */
 		int sender_fd;
 		uint16_t own_port; /* network order */
-		bool filtered;     /* ignore_own() works; then `looped`: */
+		bool filtered;     /* filter() works; then `looped`: */
 		uint64_t looped;   /* own datagrams, which the kernel counts as drops */
 	} kept;
 };
@@ -83,33 +89,25 @@ static int parse(struct can_bus *bus, const char *rest, struct host_error *error
 {
 	struct can_udp *udp = bus->state;
 	char text[CAN_BUS_URL_MAX];
-	char address[INET_ADDRSTRLEN + 8];
+	char group[INET_ADDRSTRLEN];
 	struct host_error reason;
-	bool multicast = false;
 	uint64_t number = 0;
-	char *comma;
 
-	strcpy(text, rest);
-	comma = strchr(text, ',');
-	if (comma != NULL) {
-		if (strcmp(comma, ",multicast") != 0) {
-			return host_error_set(error, "\"%.40s\": say udp[:N][,multicast][,paced]",
-			                      bus->url);
-		}
-		multicast = true;
-		*comma = '\0';
-	}
 	udp->bus = bus;
 	udp->target.sin_family = AF_INET;
-	if (!multicast && strchr(text, ':') != NULL) {
+	strcpy(text, rest);
+	if (strchr(text, ':') != NULL) {
 		return parse_address(udp, text, error);
+	}
+	if (text[0] == ',') {
+		return host_error_set(error, "\"%.40s\": say udp[:N][,paced]", bus->url);
 	}
 	if (text[0] != '\0' && parse_number(text, 0, BUS_MAX, &number, &reason) != 0) {
 		return host_error_set(error, "bus: %.200s", reason.text);
 	}
-	udp->target.sin_port = htons((uint16_t)(PORT + (multicast ? 0 : number)));
-	snprintf(address, sizeof(address), MULTICAST_FIRST "%u", (unsigned int)number);
-	inet_pton(AF_INET, multicast ? address : BROADCAST, &udp->target.sin_addr);
+	snprintf(group, sizeof(group), GROUP "%u", (unsigned int)number);
+	inet_pton(AF_INET, group, &udp->target.sin_addr);
+	udp->target.sin_port = htons(PORT);
 	return 0;
 }
 
@@ -267,11 +265,15 @@ static enum can_host_result send_frame(struct can_bus *bus, const struct can_hos
 
 /*
  * Own frames come back, as to everybody: the kernel drops them before they wake anybody. Where it
- * has no socket filters, read_some() does.
+ * has no socket filters, read_some() does. Frames of other machines, which come where a program
+ * here joined the group on the network, are dropped too; what this host sent itself is none of
+ * those, whichever way it took.
  */
-static bool ignore_own(int fd, uint16_t own_port)
+static bool filter(int fd, uint16_t own_port)
 {
 	struct sock_filter code[] = {
+		BPF_STMT(BPF_LD | BPF_B | BPF_ABS, (uint32_t)(SKF_AD_OFF + SKF_AD_PKTTYPE)),
+		BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, PACKET_MULTICAST, 2, 0),
 		BPF_STMT(BPF_LD | BPF_H | BPF_ABS, 0), /* UDP header: source port */
 		BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, ntohs(own_port), 0, 1),
 		BPF_STMT(BPF_RET | BPF_K, 0),
@@ -324,11 +326,27 @@ static bool open_receiver(struct can_udp *udp)
 	}
 	udp->kept.receiver_fd = fd;
 	(void)set(fd, SOL_SOCKET, SO_RCVBUF, SOCKET_BUFFER);
-	udp->kept.filtered = ignore_own(fd, udp->kept.own_port);
+	udp->kept.filtered = filter(fd, udp->kept.own_port);
 	return set(fd, SOL_SOCKET, SO_REUSEADDR, 1) == 0 &&
 	       bind(fd, (const struct sockaddr *)&udp->target, sizeof(udp->target)) == 0 &&
 	       (!is_multicast(udp) ||
 	        setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof(group)) == 0);
+}
+
+/* Says so if other programs cannot join the group, for want of a route to it. */
+static void look_for_route(const struct can_udp *udp)
+{
+	const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+
+	if (is_multicast(udp) && fd >= 0 &&
+	    connect(fd, (const struct sockaddr *)&udp->target, sizeof(udp->target)) != 0) {
+		host_say("%s: no route to the group, so mcast:N of other programs cannot join: "
+		         "ip route add " GROUP "0/24 dev lo",
+		         udp->bus->name);
+	}
+	if (fd >= 0) {
+		close(fd);
+	}
 }
 
 static void listen_to(struct can_udp *udp)
@@ -352,6 +370,8 @@ static void start(struct can_bus *bus)
 
 	if (old != NULL && size == sizeof(udp->kept)) {
 		memcpy(&udp->kept, old, size);
+	} else if (!udp->bus->failing) {
+		look_for_route(udp);
 	}
 	if (udp->kept.receiver_fd > 0 || (open_sender(udp) && open_receiver(udp))) {
 		listen_to(udp);
