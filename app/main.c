@@ -2,7 +2,8 @@
 /*
  * Wiring and the thread table.
  *
- * The strobe is not in the table: it is a timer (threads/strobe.c). The shell's thread is Zephyr's.
+ * The strobe is not in the table: it is a timer (threads/strobe.c); nor is storage: it is a work
+ * queue. The shell's thread is Zephyr's.
  */
 #include <zephyr/kernel.h>
 #include <zephyr/logging/log.h>
@@ -60,7 +61,6 @@ THREAD(can_link, CONFIG_PHAROS_LINK_STACK_SIZE);
 #ifdef CONFIG_PHAROS_IMC_DATAGRAMS
 THREAD(imc_link, CONFIG_PHAROS_LINK_STACK_SIZE);
 #endif
-THREAD(storage, CONFIG_PHAROS_STORAGE_STACK_SIZE);
 
 static const struct thread_row threads[] = {
 	ROW(supervisor, 0, supervisor_run, NULL), ROW(thermal, 1, thermal_thread_run, NULL),
@@ -71,7 +71,6 @@ static const struct thread_row threads[] = {
 #ifdef CONFIG_PHAROS_IMC_DATAGRAMS
 	ROW(imc_link, 4, imc_link_run, NULL),
 #endif
-	ROW(storage, 10, storage_run, NULL),
 };
 
 static void start(const struct thread_row *row)
@@ -103,6 +102,7 @@ int main(void)
 	for (size_t i = 0; i < ARRAY_SIZE(threads); i++) {
 		start(&threads[i]);
 	}
+	storage_start();
 	inputs_init();
 	return 0;
 }

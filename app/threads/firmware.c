@@ -39,6 +39,9 @@ static struct firmware_status status;
 static void (*job_done)(struct command *command, const char *failure);
 static atomic_t to_confirm;
 
+static void store(struct k_work *work);
+static K_WORK_DEFINE(store_work, store);
+
 const char *firmware_phase_name(enum firmware_phase phase)
 {
 	switch (phase) {
@@ -63,7 +66,7 @@ const char *firmware_phase_name(enum firmware_phase phase)
 static void post(enum job_kind kind)
 {
 	atomic_set(&job.kind, kind);
-	storage_wake();
+	storage_submit(&store_work);
 }
 
 static void enter(enum firmware_phase phase, const char *failure)
@@ -141,7 +144,7 @@ struct firmware_status firmware_status_get(void)
 void firmware_confirm(void)
 {
 	atomic_set(&to_confirm, 1);
-	storage_wake();
+	storage_submit(&store_work);
 }
 
 /* --- storage thread --------------------------------------------------------------------------- */
@@ -230,7 +233,7 @@ static const char *run_job(enum job_kind kind)
 	return failure;
 }
 
-void firmware_store(void)
+static void store(struct k_work *work)
 {
 	if (atomic_set(&to_confirm, 0) != 0 && !boot_is_img_confirmed()) {
 		const int error = boot_write_img_confirmed();

@@ -63,9 +63,6 @@ struct firmware_status firmware_status_get(void);
 /* The system runs well: the running image is the right one. Any thread. */
 void firmware_confirm(void);
 
-/* What has been asked for. Storage thread. */
-void firmware_store(void);
-
 #else
 
 static inline const char *firmware_unavailable(void)
@@ -86,10 +83,6 @@ static inline void firmware_abort(const char *failure)
 }
 
 static inline void firmware_confirm(void)
-{
-}
-
-static inline void firmware_store(void)
 {
 }
 

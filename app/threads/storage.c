@@ -9,8 +9,8 @@
 #include <zephyr/settings/settings.h>
 #include <zephyr/sys/printk.h>
 
-#include "threads/command.h"
-#include "threads/firmware.h"
+#include "core/settle.h"
+#include "threads/clock.h"
 
 LOG_MODULE_REGISTER(storage);
 
@@ -21,7 +21,8 @@ LOG_MODULE_REGISTER(storage);
 #define PARAM_PREFIX    SUBTREE "/param/"
 #define STORED_NAME_MAX (sizeof(PARAM_PREFIX) + PARAMS_NAME_MAX)
 
-#define LIGHT_SETTLE_MS 1000
+/* Below all that must be in time: a page of flash takes tens of milliseconds to erase. */
+#define STORAGE_PRIORITY 10
 
 /* How the settings lie in the store: little endian on every target, versioned by its length. */
 struct stored_light {
@@ -33,11 +34,12 @@ struct stored_light {
 	uint8_t reserved[2];
 };
 
-/* What is to be written; changed under irq_lock(). */
+/* What is to be written; read and changed under the lock. */
+static K_MUTEX_DEFINE(lock);
 static struct {
 	struct param_set params;
 	int32_t values[PARAM_COUNT];
-	bool light;
+	struct settle light;
 	struct stored_light settings;
 #ifdef CONFIG_PHAROS_IMC
 	bool power;
@@ -49,7 +51,11 @@ static struct {
 #endif
 } pending;
 static struct storage_stats stats;
-static K_SEM_DEFINE(requested, 0, 1);
+
+static K_THREAD_STACK_DEFINE(stack, CONFIG_PHAROS_STORAGE_STACK_SIZE);
+static struct k_work_q queue;
+static void save(struct k_work *work);
+static K_WORK_DELAYABLE_DEFINE(save_work, save);
 
 /* --- load ------------------------------------------------------------------------------------- */
 
@@ -148,16 +154,6 @@ int storage_load_power(void)
 	}
 	return mask;
 }
-
-void storage_save_power(uint8_t mask)
-{
-	const unsigned int key = irq_lock();
-
-	pending.power = true;
-	pending.power_mask = mask;
-	irq_unlock(key);
-	k_sem_give(&requested);
-}
 #endif
 
 #ifdef CONFIG_PHAROS_SIGNING
@@ -196,21 +192,49 @@ void storage_load_signing(struct mavlink_signing_record *record)
 
 /* --- save ------------------------------------------------------------------------------------- */
 
+/* Under the lock. The light settles; nothing else waits for it. */
+static int64_t deadline_us(void)
+{
+	bool now = !param_set_is_empty(&pending.params);
+
+#ifdef CONFIG_PHAROS_IMC
+	now = now || pending.power;
+#endif
+#ifdef CONFIG_PHAROS_SIGNING
+	now = now || pending.signing;
+#endif
+	return now ? 0 : settle_deadline_us(&pending.light);
+}
+
+static void begin(void)
+{
+	(void)k_mutex_lock(&lock, K_FOREVER); /* held for microseconds, never over a write */
+}
+
+static void end(void)
+{
+	const int64_t due_us = deadline_us();
+
+	(void)k_mutex_unlock(&lock);
+	if (due_us != TIME_NEVER_US) {
+		(void)k_work_reschedule_for_queue(&queue, &save_work,
+		                                  due_us <= clock_now_us() ? K_NO_WAIT
+		                                                           : clock_timeout(due_us));
+	}
+}
+
 void storage_save_params(const struct params *params, const struct param_set *changed)
 {
-	const unsigned int key = irq_lock();
-
+	begin();
 	param_set_merge(&pending.params, changed);
 	memcpy(pending.values, params->values, sizeof(pending.values));
-	irq_unlock(key);
-	k_sem_give(&requested);
+	end();
 }
 
 void storage_save_light(const struct illuminator_settings *light)
 {
-	const unsigned int key = irq_lock();
-
-	pending.light = true;
+	begin();
+	settle_change(&pending.light, clock_now_us());
 	pending.settings = (struct stored_light){
 		.brightness_ppm = light->brightness_ppm,
 		.strobe_period_us = light->strobe_period_us,
@@ -218,52 +242,64 @@ void storage_save_light(const struct illuminator_settings *light)
 		.mode = (uint8_t)light->mode,
 		.enable = light->enable,
 	};
-	irq_unlock(key);
-	k_sem_give(&requested);
+	end();
 }
+
+#ifdef CONFIG_PHAROS_IMC
+void storage_save_power(uint8_t mask)
+{
+	begin();
+	pending.power = true;
+	pending.power_mask = mask;
+	end();
+}
+#endif
 
 #ifdef CONFIG_PHAROS_SIGNING
 void storage_save_signing(const struct mavlink_signing_record *record)
 {
-	const unsigned int key = irq_lock();
-
+	begin();
 	pending.signing = true;
 	pending.record = *record;
-	irq_unlock(key);
-	k_sem_give(&requested);
+	end();
 }
 #endif
 
 struct storage_stats storage_stats_get(void)
 {
-	const unsigned int key = irq_lock();
+	(void)k_mutex_lock(&lock, K_FOREVER);
 	const struct storage_stats copy = stats;
 
-	irq_unlock(key);
+	(void)k_mutex_unlock(&lock);
 	return copy;
 }
+
+/* --- storage's thread ------------------------------------------------------------------------- */
 
 static void write_value(const char *name, const void *value, size_t length)
 {
 	const int error = settings_save_one(name, value, length);
 
+	begin();
 	stats.writes++;
 	if (error != 0) {
 		stats.failures++;
 		stats.last_error = error;
+	}
+	end();
+	if (error != 0) {
 		LOG_ERR("cannot write %s: error %d", name, error);
-		command_wake(); /* it tells people */
 	}
 }
 
 /* Writes one pending parameter; false: there is none. */
 static bool write_param(void)
 {
-	const unsigned int key = irq_lock();
+	begin();
 	const uint32_t index = param_set_take(&pending.params);
 	const int32_t value = index < PARAM_COUNT ? pending.values[index] : 0;
 
-	irq_unlock(key);
+	end();
 	if (index == PARAM_COUNT) {
 		return false;
 	}
@@ -277,12 +313,12 @@ static bool write_param(void)
 static void write_signing(void)
 {
 #ifdef CONFIG_PHAROS_SIGNING
-	const unsigned int key = irq_lock();
+	begin();
 	const bool wanted = pending.signing;
 	const struct mavlink_signing_record record = pending.record;
 
 	pending.signing = false;
-	irq_unlock(key);
+	end();
 	if (wanted) {
 		write_value(SIGNING_NAME, &record, sizeof(record));
 	}
@@ -292,12 +328,12 @@ static void write_signing(void)
 static void write_power(void)
 {
 #ifdef CONFIG_PHAROS_IMC
-	const unsigned int key = irq_lock();
+	begin();
 	const bool wanted = pending.power;
 	const uint8_t mask = pending.power_mask;
 
 	pending.power = false;
-	irq_unlock(key);
+	end();
 	if (wanted) {
 		write_value(POWER_NAME, &mask, sizeof(mask));
 	}
@@ -306,34 +342,38 @@ static void write_power(void)
 
 static void write_light(void)
 {
-	const unsigned int key = irq_lock();
-	const bool wanted = pending.light;
+	begin();
+	const bool wanted = settle_deadline_us(&pending.light) <= clock_now_us();
 	const struct stored_light light = pending.settings;
 
-	pending.light = false;
-	irq_unlock(key);
+	if (wanted) {
+		settle_write(&pending.light, clock_now_us());
+	}
+	end();
 	if (wanted) {
 		write_value(LIGHT_NAME, &light, sizeof(light));
 	}
 }
 
-void storage_wake(void)
+static void save(struct k_work *work)
 {
-	k_sem_give(&requested);
+	write_signing();
+	write_power();
+	while (write_param()) {
+	}
+	write_light();
 }
 
-void storage_run(void *p1, void *p2, void *p3)
+void storage_submit(struct k_work *work)
 {
-	for (;;) {
-		k_sem_take(&requested, K_FOREVER);
-		write_signing();
-		write_power();
-		while (write_param()) {
-		}
-		firmware_store();
-		if (pending.light) {
-			k_msleep(LIGHT_SETTLE_MS);
-			write_light();
-		}
-	}
+	(void)k_work_submit_to_queue(&queue, work);
+}
+
+void storage_start(void)
+{
+	static const struct k_work_queue_config config = {.name = "storage"};
+
+	k_work_queue_start(&queue, stack, K_THREAD_STACK_SIZEOF(stack), STORAGE_PRIORITY, &config);
+	begin();
+	end(); /* what came before */
 }

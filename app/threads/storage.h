@@ -11,6 +11,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include <zephyr/kernel.h>
+
 #include "core/illuminator.h"
 #include "core/params.h"
 #include "proto/mavlink/signing.h"
@@ -31,7 +33,7 @@ int storage_load(struct params *params, struct illuminator_settings *light, bool
 /* Write the parameters of the mask, as they are now. Command thread. */
 void storage_save_params(const struct params *params, const struct param_set *changed);
 
-/* Write the settings, once they have stood for a second. Command thread. */
+/* Write the settings, once they have settled (core/settle.h). Command thread. */
 void storage_save_light(const struct illuminator_settings *light);
 
 #ifdef CONFIG_PHAROS_IMC
@@ -55,10 +57,11 @@ void storage_save_signing(const struct mavlink_signing_record *record);
 /* Any thread. */
 struct storage_stats storage_stats_get(void);
 
-/* There is something to store besides. Any context. */
-void storage_wake(void);
+/* Runs the work in storage's thread, between two writes: for what is slow with flash as well. It
+ * may be submitted again at once. After storage_start(); any context. */
+void storage_submit(struct k_work *work);
 
-/* Thread entry. */
-void storage_run(void *, void *, void *);
+/* Begins to write. Once, after storage_load(). */
+void storage_start(void);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The update's way into flash, with power failing after each block that is written and each page
- * that is erased. The two other threads are played here: storage by firmware_store(), the command
+ * that is erased. The two other threads are played here: storage by run_storage(), the command
  * thread by calling what command_call() is given.
  */
 #include "threads/firmware.h"
@@ -25,6 +25,7 @@ static const struct bootloader_slots slots = {
 
 static const char *failure;
 static bool is_done;
+static struct k_work *submitted;
 
 void pharos_assert_failed(const char *file, int line)
 {
@@ -33,8 +34,14 @@ void pharos_assert_failed(const char *file, int line)
 	CODE_UNREACHABLE;
 }
 
-void storage_wake(void)
+void storage_submit(struct k_work *work)
 {
+	submitted = work;
+}
+
+static void run_storage(void)
+{
+	submitted->handler(submitted);
 }
 
 int command_call(int (*function)(struct command *, void *), void *argument)
@@ -63,11 +70,11 @@ static const char *update(const uint8_t *image, size_t size)
 {
 	failure = NULL;
 	firmware_begin(done);
-	firmware_store();
+	run_storage();
 	for (size_t at = 0; at <= size && failure == NULL; at += BLOCK) {
 		is_done = false;
 		firmware_write(image + at, MIN(BLOCK, size - at), size - at < BLOCK);
-		firmware_store();
+		run_storage();
 		zassert_true(is_done);
 	}
 	return failure;
@@ -100,7 +107,7 @@ ZTEST(firmware, test_a_whole_image_is_swapped_in_and_confirmed)
 	zassert_true(first_slot_has(image_plain, sizeof(image_plain)));
 	zassert_false(firmware_status_get().confirmed);
 	firmware_confirm();
-	firmware_store();
+	run_storage();
 	zassert_true(firmware_status_get().confirmed);
 	zassert_equal(bootloader_run(flash_store(), &slots), BOOTLOADER_NOTHING);
 	zassert_true(first_slot_has(image_plain, sizeof(image_plain)));
@@ -148,7 +155,7 @@ static void install_the_older(void)
 	zassert_is_null(update(image_plain, sizeof(image_plain)));
 	zassert_equal(bootloader_run(flash_store(), &slots), BOOTLOADER_SWAPPED);
 	firmware_confirm();
-	firmware_store();
+	run_storage();
 }
 
 ZTEST(firmware, test_power_that_fails_at_any_page_leaves_the_older_image)
