@@ -101,12 +101,7 @@ def test_document_shows_the_table() -> None:
     shown = [tuple(cell.strip() for cell in row) for row in rows]
     outcome = {True: "carried out", False: "refused"}
     for attack in ATTACKS:
-        heard = attack.counter == "heard unsigned"
-        row = (
-            attack.name,
-            "heard" if heard else outcome[attack.acted],
-            attack.counter or "no whole frame",
-        )
+        row = (attack.name, outcome[attack.acted], attack.counter or "no whole frame")
         assert row in shown, f"docs/signing.md lacks {row}"
     assert len([row for row in shown if not row[0].startswith("-")]) == len(ATTACKS) + 1
 
@@ -129,23 +124,87 @@ def test_a_signing_station_and_the_light_understand_each_other(
     assert light.collect(5) == []
 
 
-def test_an_unsigned_heartbeat_still_tells_that_a_station_is_there(
-    boot: Callable[..., tuple[Light, Shell]],
+@pytest.mark.parametrize("signs", [True, False])
+def test_only_who_has_the_key_is_a_sign_of_life(
+    boot: Callable[..., tuple[Light, Shell]], signs: bool
 ) -> None:
-    """Link loss: presence needs no signature, commands do."""
     light, shell = boot()
     shell("param set LGT_LOSS_MS 3000")
     shell("param set LGT_FALLBACK 1")
     set_key(shell)
     light.mav.sign(KEY, STAMP + SECOND)
     assert light.on() == ACCEPTED
-    light.mav.sign(b"", 0)
+    if not signs:
+        light.mav.sign(b"", 0)
     for _ in range(10):
         light.mav.heartbeat()
         light.sim.advance(s=1)
-    assert light.level_ppm() > 0
+    assert (light.level_ppm() > 0) == signs
     light.sim.advance(s=4)
     assert light.level_ppm() == 0
+
+
+def test_a_stranger_lights_no_beacon(boot: Callable[..., tuple[Light, Shell]]) -> None:
+    """LGT_FALLBACK 2 is a beacon once commanders are silent: only those with the key are any."""
+    light, shell = boot()
+    shell("param set LGT_LOSS_MS 5000")
+    shell("param set LGT_FALLBACK 2")
+    set_key(shell)
+    light.sim.advance(s=3)
+    light.sim.reset()
+    light.mav.heartbeat()
+    light.sim.skip_edges()
+    light.sim.advance(s=20)
+    assert light.sim.edges() == []
+    light.mav.sign(KEY, STAMP + MINUTE)
+    light.mav.heartbeat()
+    light.sim.advance(s=20)
+    assert len(light.sim.edges()) > 10
+
+
+def autopilot(light: Light, system: int, signed_at: int | None) -> None:
+    """An ArduPilot's HEARTBEAT from system/1."""
+    codec = light.mav.dialect.MAVLink(None, system, 1)
+    if signed_at is not None:
+        codec.signing.secret_key = KEY
+        codec.signing.timestamp = signed_at
+        codec.signing.sign_outgoing = True
+    light.mav.link.send(
+        bytes(light.mav.dialect.MAVLink_heartbeat_message(2, 3, 0, 0, 4, 3).pack(codec))
+    )
+
+
+def test_an_unsigned_autopilot_gives_no_system_id(
+    boot: Callable[..., tuple[Light, Shell]],
+) -> None:
+    light, shell = boot()
+    shell("param set MAV_SYSID 0")
+    set_key(shell)
+    light.sim.advance(s=3)
+    light.sim.reset()
+    autopilot(light, 77, None)
+    light.sim.advance(s=5)
+    light.mav.sign(KEY, STAMP + MINUTE)
+    assert light.on() == ACCEPTED  # to 1/243, as before
+    assert light.level_ppm() > 0
+
+
+def test_an_unsigned_autopilot_does_not_stand_beside_the_vehicle(
+    boot: Callable[..., tuple[Light, Shell]],
+) -> None:
+    light, shell = boot()
+    shell("param set MAV_SYSID 0")
+    set_key(shell)
+    light.sim.advance(s=3)
+    light.sim.reset()
+    light.sim.advance(s=1)
+    autopilot(light, 7, STAMP + MINUTE)
+    light.sim.advance(s=1)
+    autopilot(light, 50, None)
+    autopilot(light, 7, STAMP + MINUTE + SECOND)
+    light.mav.inbox.clear()
+    light.sim.advance(s=5)
+    assert "System id is now the vehicle's: 7" in texts(light.mav.drain())
 
 
 def test_everything_is_heard_again_once_the_key_is_gone(
@@ -225,6 +284,20 @@ def test_setup_on_a_secure_link_turns_signing_on_and_off(
     assert answered(light)
     setup(light, bytes(32))
     light.mav.sign(b"", 0)
+    assert answered(light)
+
+
+@pytest.mark.parametrize("key", [bytes(32), OTHER_KEY], ids=["none", "another"])
+def test_who_lacks_the_key_can_neither_end_nor_change_it(
+    boot: Callable[..., tuple[Light, Shell]], transport: Transport, key: bytes
+) -> None:
+    light, shell = boot(transport)
+    shell(f"param set MAV_SECURE {SECURE[transport.wire]}")
+    set_key(shell)
+    setup(light, key)
+    assert "0 obeyed, 1 refused" in shell("signing status")
+    assert not answered(light)
+    light.mav.sign(KEY, STAMP + SECOND)
     assert answered(light)
 
 

@@ -27,16 +27,13 @@ void mavlink_endpoint_set_key(struct mavlink_endpoint *self, int64_t now_us,
 	}
 }
 
-/* Only on a secure link, only to us, and unsigned or rightly signed. */
+/* Only on a secure link, only to us, and rightly signed if there is a key already. */
 static bool setup_is_allowed(struct mavlink_endpoint *self, int64_t now_us, uint8_t link,
                              const struct mavlink_frame *frame,
                              const mavlink_setup_signing_t *setup)
 {
-	if ((self->config.secure_links & 1u << link) == 0 ||
-	    !mavlink_is_ours(self, setup->target_system, setup->target_component)) {
-		return false;
-	}
-	return !frame->has_signature ||
+	return (self->config.secure_links & 1u << link) != 0 &&
+	       mavlink_is_ours(self, setup->target_system, setup->target_component) &&
 	       mavlink_signing_check(&self->signing, now_us, frame) == MAVLINK_SIGNING_ACCEPTED;
 }
 
@@ -64,19 +61,7 @@ bool mavlink_admit(struct mavlink_endpoint *self, int64_t now_us, uint8_t link,
 		take_setup(self, now_us, link, frame);
 		return false;
 	}
-	switch (mavlink_signing_check(&self->signing, now_us, frame)) {
-	case MAVLINK_SIGNING_ACCEPTED:
-	case MAVLINK_SIGNING_HEARD_UNSIGNED:
-		return true;
-	case MAVLINK_SIGNING_UNSIGNED:
-	case MAVLINK_SIGNING_BAD_SIGNATURE:
-	case MAVLINK_SIGNING_REPLAYED:
-	case MAVLINK_SIGNING_OLD:
-	case MAVLINK_SIGNING_NO_ROOM:
-	case MAVLINK_SIGNING_VERDICTS:
-		break;
-	}
-	return false;
+	return mavlink_signing_check(&self->signing, now_us, frame) == MAVLINK_SIGNING_ACCEPTED;
 }
 
 bool mavlink_is_signing(const struct mavlink_endpoint *self)

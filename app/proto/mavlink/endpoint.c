@@ -97,9 +97,9 @@ uint8_t mavlink_link_version(const struct mavlink_endpoint *self, uint8_t link)
 	return self->links[link].version == 1 && !mavlink_is_signing(self) ? 1 : 2;
 }
 
-/* Bit per link that a frame goes on to. */
+/* Bit per link that a frame goes on to. admitted: it makes a route, with a key as without. */
 static uint8_t forward(struct mavlink_endpoint *self, int64_t now_us, uint8_t link,
-                       const struct mavlink_frame *frame)
+                       const struct mavlink_frame *frame, bool admitted)
 {
 #ifdef CONFIG_PHAROS_ROUTING
 	if (self->config.routing) {
@@ -110,6 +110,7 @@ static uint8_t forward(struct mavlink_endpoint *self, int64_t now_us, uint8_t li
 			.link = link,
 			.links = self->config.links,
 			.is_ours = mavlink_is_ours(self, target.system_id, target.component_id),
+			.makes_route = admitted,
 		};
 
 		return mavlink_router_take(&self->router, now_us, &passage);
@@ -173,8 +174,11 @@ void mavlink_endpoint_receive(struct mavlink_endpoint *self, int64_t now_us, uin
 		return;
 	}
 	link_heard(&self->links[link], &frame);
-	out->forward = forward(self, now_us, link, &frame);
-	if (!mavlink_admit(self, now_us, link, &frame)) {
+
+	const bool admitted = mavlink_admit(self, now_us, link, &frame);
+
+	out->forward = forward(self, now_us, link, &frame, admitted);
+	if (!admitted) {
 		return;
 	}
 

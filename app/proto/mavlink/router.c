@@ -104,13 +104,15 @@ uint8_t mavlink_router_take(struct mavlink_router *self, int64_t now_us,
 	}
 
 	const bool verified = mavlink_crc_extra(frame->message_id, &crc_extra);
-	const struct mavlink_route *const route = route_learn(self, now_us, passage, verified);
+	const struct mavlink_route *const route =
+		passage->makes_route ? route_learn(self, now_us, passage, verified)
+				     : route_find(self, frame);
 
-	if (route == NULL) {
+	if (route == NULL && passage->makes_route) {
 		self->stats.no_room++;
 		return 0;
 	}
-	if (route->link != passage->link) {
+	if (route != NULL && route->link != passage->link) {
 		self->stats.circled++;
 		return 0;
 	}

@@ -13,6 +13,9 @@
  * A full table reuses the place of a sender that is silent, or of which only unverified frames
  * came; the longest silent first. If there is none, the new sender's frames go nowhere.
  *
+ * With a key, only what is rightly signed makes a route or keeps one: else anybody could draw away
+ * what is meant for another. What is not goes on all the same, for others to judge.
+ *
  * Context: the thread that owns it. Spec: mavlink.io/en/guide/routing.html.
  */
 #ifndef PHAROS_PROTO_MAVLINK_ROUTER_H
@@ -50,9 +53,10 @@ struct mavlink_router {
 struct mavlink_passage {
 	const struct mavlink_frame *frame; /* not of one of our components */
 	struct mavlink_target target;
-	uint8_t link;  /* that it came on */
-	uint8_t links; /* bit per link that is up */
-	bool is_ours;  /* addressed to one of our components */
+	uint8_t link;     /* that it came on */
+	uint8_t links;    /* bit per link that is up */
+	bool is_ours;     /* addressed to one of our components */
+	bool makes_route; /* else its sender might be anybody: it goes on, and nothing is learned */
 };
 
 /* off: nothing is forwarded, and what was known is forgotten. */

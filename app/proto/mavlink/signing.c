@@ -154,19 +154,11 @@ static struct mavlink_signing_stream *stream_place(struct mavlink_signing *self,
 	return NULL;
 }
 
-/* What people and radios must be able to say to anyone: presence, and the state of the link. */
-static bool needs_no_signature(const struct mavlink_frame *frame)
-{
-	return frame->message_id == MAVLINK_MSG_ID_HEARTBEAT ||
-	       frame->message_id == MAVLINK_MSG_ID_RADIO_STATUS;
-}
-
 static enum mavlink_signing_verdict judge(struct mavlink_signing *self, int64_t now_us,
                                           const struct mavlink_frame *frame)
 {
 	if (!frame->has_signature) {
-		return needs_no_signature(frame) ? MAVLINK_SIGNING_HEARD_UNSIGNED
-		                                 : MAVLINK_SIGNING_UNSIGNED;
+		return MAVLINK_SIGNING_UNSIGNED;
 	}
 	if (!is_right(self, frame)) {
 		return MAVLINK_SIGNING_BAD_SIGNATURE;
@@ -258,8 +250,6 @@ const char *mavlink_signing_verdict_name(enum mavlink_signing_verdict verdict)
 	switch (verdict) {
 	case MAVLINK_SIGNING_ACCEPTED:
 		return "accepted";
-	case MAVLINK_SIGNING_HEARD_UNSIGNED:
-		return "heard unsigned";
 	case MAVLINK_SIGNING_UNSIGNED:
 		return "unsigned";
 	case MAVLINK_SIGNING_BAD_SIGNATURE:

@@ -9,8 +9,9 @@
  *
  * With a key, a frame is heard only if its signature is right, it is at most a minute behind the
  * local timestamp, and it is newer than the last one of its stream (system, component and link id
- * of the sender, on whichever link it comes). HEARTBEAT and RADIO_STATUS are heard unsigned.
- * Without a key everything is heard, signed or not, and nothing is signed.
+ * of the sender, on whichever link it comes). No message is excepted: an unsigned HEARTBEAT could
+ * give the light an id, or keep its lamp on. Without a key everything is heard, signed or not, and
+ * nothing is signed.
  *
  * The local timestamp begins where the stored one ended, since the device has no clock; it goes on
  * with the time since the start, and to the latest that a rightly signed frame showed. Each frame
@@ -48,8 +49,7 @@ struct mavlink_signing_record {
 };
 
 enum mavlink_signing_verdict {
-	MAVLINK_SIGNING_ACCEPTED,       /* rightly signed; or there is no key */
-	MAVLINK_SIGNING_HEARD_UNSIGNED, /* a message that needs no signature */
+	MAVLINK_SIGNING_ACCEPTED, /* rightly signed; or there is no key */
 	MAVLINK_SIGNING_UNSIGNED,
 	MAVLINK_SIGNING_BAD_SIGNATURE, /* another key, or changed on the way */
 	MAVLINK_SIGNING_REPLAYED,      /* not newer than the last of its stream */
@@ -69,7 +69,8 @@ struct mavlink_signing_stats {
 	uint32_t verdicts[MAVLINK_SIGNING_VERDICTS]; /* of frames, while there was a key */
 	uint32_t signed_frames;                      /* sent */
 	uint32_t setups;                             /* SETUP_SIGNING obeyed */
-	uint32_t setups_refused; /* on a link that is not secure, or not addressed to us */
+	uint32_t setups_refused; /* link not secure, not addressed to us, or not signed with the key
+	                          */
 };
 
 struct mavlink_signing {

@@ -238,9 +238,23 @@ ZTEST(mavlink_router, test_what_our_key_refuses_goes_on_to_others)
 {
 	const struct mavlink_signing_record record = {.timestamp = 1, .key = {1}};
 
-	mavlink_endpoint_restore_key(&endpoint, now_us, &record);
 	heartbeat(1, 1, 1);
+	mavlink_endpoint_restore_key(&endpoint, now_us, &record);
 	zassert_equal(command_to(1, 1), 0x02);
 	zassert_equal(command_to(1, 0), 0x02);
 	zassert_equal(out.command, 0, "not carried out here");
+}
+
+/* With a key, a stranger who says that he is the autopilot gets nothing of what is meant for it. */
+ZTEST(mavlink_router, test_with_a_key_the_unsigned_makes_no_route)
+{
+	const struct mavlink_signing_record key = {.timestamp = 1000, .key = {1}};
+
+	mavlink_endpoint_set_key(&endpoint, now_us, &key);
+	zassert_equal(heartbeat(1, 1, 1), LINKS & ~0x02, "it goes on, for others to judge");
+	zassert_equal(endpoint.router.count, 0);
+	zassert_equal(command_to(1, 1), 0, "nobody was heard there");
+	mavlink_endpoint_set_key(&endpoint, now_us, &(struct mavlink_signing_record){0});
+	(void)heartbeat(1, 1, 1);
+	zassert_equal(command_to(1, 1), 0x02);
 }

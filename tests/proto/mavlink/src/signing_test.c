@@ -78,14 +78,31 @@ static bool hear(uint8_t component, uint8_t link_id, uint64_t timestamp)
 	return verdicts(MAVLINK_SIGNING_ACCEPTED) == so_far + 1;
 }
 
+/* SETUP_SIGNING, signed with the key of record. */
 static void set_up(uint8_t link, uint8_t system, uint8_t component,
                    const struct mavlink_signing_record *key)
 {
 	static const struct mavlink_kind kind = MAVLINK_KIND(SETUP_SIGNING);
+	const uint64_t now = mavlink_signing_timestamp(&endpoint.signing, now_us);
 	mavlink_setup_signing_t setup = {
 		.initial_timestamp = key->timestamp,
 		.target_system = system,
 		.target_component = component,
+	};
+	uint8_t bytes[MAVLINK_FRAME_MAX];
+
+	memcpy(setup.secret_key, key->key, sizeof(setup.secret_key));
+	receive(link, bytes, sign(bytes, &kind, &setup, 190, 0, now + 1));
+}
+
+/* The same, unsigned. */
+static void set_up_unsigned(uint8_t link, const struct mavlink_signing_record *key)
+{
+	static const struct mavlink_kind kind = MAVLINK_KIND(SETUP_SIGNING);
+	mavlink_setup_signing_t setup = {
+		.initial_timestamp = key->timestamp,
+		.target_system = 1,
+		.target_component = 243,
 	};
 
 	memcpy(setup.secret_key, key->key, sizeof(setup.secret_key));
@@ -420,7 +437,8 @@ ZTEST(mavlink_signing, test_setup_on_a_secure_link_sets_key_and_timestamp_and_is
 	zassert_equal(endpoint.signing.stats.setups, 1);
 	zassert_mem_equal(endpoint.signing.now.key, another.key, sizeof(another.key));
 	zassert_equal(mavlink_signing_timestamp(&endpoint.signing, now_us), another.timestamp);
-	zassert_equal(all_verdicts(), 0, "an unsigned setup is not an unsigned command");
+	zassert_equal(verdicts(MAVLINK_SIGNING_ACCEPTED), 1);
+	zassert_equal(all_verdicts(), 1);
 
 	const struct tally tally = run_until(SECOND / 2);
 
@@ -437,6 +455,41 @@ ZTEST(mavlink_signing, test_setup_with_a_key_of_zeros_turns_signing_off)
 	zassert_equal(arrive(COMMAND_ON_V2, sizeof(COMMAND_ON_V2)), 1);
 	zassert_equal(out.command, 405);
 	zassert_false(sent(0).has_signature);
+}
+
+ZTEST(mavlink_signing, test_setup_without_a_signature_changes_no_key)
+{
+	const struct mavlink_signing_record none = {0};
+
+	mavlink_endpoint_set_secure_links(&endpoint, 0xFF);
+	set_up_unsigned(0, &none);
+	set_up_unsigned(0, &another);
+	zassert_equal(endpoint.signing.stats.setups, 0);
+	zassert_equal(endpoint.signing.stats.setups_refused, 2);
+	zassert_equal(verdicts(MAVLINK_SIGNING_UNSIGNED), 2);
+	zassert_mem_equal(endpoint.signing.now.key, SIGNING_KEY, sizeof(SIGNING_KEY));
+}
+
+ZTEST(mavlink_signing, test_the_first_key_needs_no_signature)
+{
+	const struct mavlink_signing_record none = {0};
+
+	mavlink_endpoint_set_key(&endpoint, now_us, &none);
+	mavlink_endpoint_set_secure_links(&endpoint, 0x01);
+	set_up_unsigned(1, &another);
+	zassert_false(endpoint.signing.on, "the second link is not secure");
+	set_up_unsigned(0, &another);
+	zassert_mem_equal(endpoint.signing.now.key, another.key, sizeof(another.key));
+}
+
+ZTEST(mavlink_signing, test_a_new_key_knows_none_of_the_old_streams)
+{
+	zassert_true(hear(190, 0, record.timestamp + 2));
+	zassert_equal(endpoint.signing.stream_count, 1);
+	mavlink_endpoint_set_key(&endpoint, now_us, &another);
+	zassert_equal(endpoint.signing.stream_count, 0);
+	record = another;
+	zassert_true(hear(190, 0, another.timestamp + 1), "older than the old key's last");
 }
 
 ZTEST(mavlink_signing, test_setup_that_is_wrongly_signed_is_refused_even_on_a_secure_link)
