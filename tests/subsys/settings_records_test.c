@@ -208,7 +208,7 @@ ZTEST(settings_records, test_content_is_compacted)
 
 ZTEST(settings_records, test_full_store_refuses_and_keeps)
 {
-	char name[8];
+	char name[16];
 	char value[SETTINGS_RECORD_VALUE_MAX + 1];
 	size_t stored = 0;
 	int rc = 0;
