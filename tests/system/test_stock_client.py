@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import lzma
 import os
@@ -42,28 +43,65 @@ def _read_until(process: subprocess.Popen[bytes], pattern: str) -> str:
     return text
 
 
+class MavProxy:
+    """MAVProxy in a folder of its own, with a light as its target."""
+
+    def __init__(self, address: str, folder: Path, modules: str) -> None:
+        program = Path(sys.executable).with_name("mavproxy.py")
+        self.process = subprocess.Popen(
+            [sys.executable, str(program), f"--master=udpout:{address}", "--target-system=1",
+             "--target-component=243", f"--default-modules={modules}",
+             f"--state-basedir={folder}"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            cwd=folder,
+            env={**os.environ, "HOME": str(folder), "PYTHONUNBUFFERED": "1"},
+        )  # fmt: skip
+
+    def until(self, pattern: str) -> str:
+        return _read_until(self.process, pattern)
+
+    def type(self, line: str, answer: str) -> str:
+        """Types a line; returns the output up to the answer."""
+        assert self.process.stdin is not None
+        self.process.stdin.write(line.encode() + b"\n")
+        self.process.stdin.flush()
+        return self.until(answer)
+
+    def close(self) -> None:
+        self.process.kill()
+        self.process.wait()
+
+
+@contextlib.contextmanager
+def mavproxy(address: str, folder: Path, modules: str) -> Iterator[MavProxy]:
+    program = MavProxy(address, folder, modules)
+    try:
+        program.until(r"link 1 OK|Detected vehicle|online system 1|heartbeat")
+        yield program
+    finally:
+        program.close()
+
+
 @pytest.mark.realtime
 def test_mavproxy_turns_the_light_on(address: str, tmp_path: Path) -> None:
-    mavproxy = Path(sys.executable).with_name("mavproxy.py")
-    environment = {**os.environ, "HOME": str(tmp_path), "PYTHONUNBUFFERED": "1"}
-    process = subprocess.Popen(
-        [sys.executable, str(mavproxy), f"--master=udpout:{address}", "--target-system=1",
-         "--target-component=243", "--default-modules=cmdlong", f"--state-basedir={tmp_path}"],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        cwd=tmp_path,
-        env=environment,
-    )  # fmt: skip
-    try:
-        assert process.stdin is not None
-        _read_until(process, r"link 1 OK|Detected vehicle|online system 1|heartbeat")
-        process.stdin.write(b"long ILLUMINATOR_ON_OFF 1\n")
-        process.stdin.flush()
-        _read_until(process, r"ILLUMINATOR_ON_OFF.*ACCEPTED")
-    finally:
-        process.kill()
-        process.wait()
+    with mavproxy(address, tmp_path, "cmdlong") as program:
+        program.type("long ILLUMINATOR_ON_OFF 1", r"ILLUMINATOR_ON_OFF.*ACCEPTED")
+
+
+@pytest.mark.realtime
+def test_mavproxy_fetches_files_and_packed_parameters(address: str, tmp_path: Path) -> None:
+    with mavproxy(address, tmp_path, "ftp,param") as program:
+        program.until(r"Received \d+ parameters \(ftp\)")
+        program.type("ftp list", r"parameters\.json\.xz")
+        for name in ("general.json", "parameters.json.xz"):
+            program.type(f"ftp get {name}", rf"Wrote \d+ bytes to {re.escape(name)}")
+        # a line later, since the file is closed after that is said
+        received = program.type("param fetch", r"Received \d+ parameters \(ftp\)")
+    table = json.loads(lzma.decompress((tmp_path / "parameters.json.xz").read_bytes()))
+    json.loads((tmp_path / "general.json").read_bytes())
+    assert f"Received {len(table['parameters'])} parameters" in received
 
 
 @pytest.mark.realtime

@@ -4,6 +4,7 @@
 #include "core/assert.h"
 #include "core/limits.h"
 #include "proto/mavlink/dialect.h"
+#include "proto/mavlink/ftp_session.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -18,11 +19,11 @@
 #define AT_OFFSET         8
 #define AT_DATA           12
 
-#define PAYLOAD_OFFSET offsetof(mavlink_file_transfer_protocol_t, payload)
-#define PAYLOAD_BYTES  sizeof(((mavlink_file_transfer_protocol_t *)0)->payload)
+#define COMPONENT_OFFSET offsetof(mavlink_file_transfer_protocol_t, target_component)
+#define PAYLOAD_OFFSET   offsetof(mavlink_file_transfer_protocol_t, payload)
+#define PAYLOAD_BYTES    sizeof(((mavlink_file_transfer_protocol_t *)0)->payload)
 
 _Static_assert(AT_DATA + MAVLINK_FTP_DATA_MAX == PAYLOAD_BYTES, "common.xml");
-_Static_assert(MAVLINK_FTP_SESSIONS <= UINT8_MAX, "a session id is 8 bits");
 /* "F", name, tab, ten digits, 0 */
 _Static_assert(1 + MAVLINK_FTP_NAME_MAX + 1 + 10 + 1 <= MAVLINK_FTP_DATA_MAX, "an entry fits");
 
@@ -32,6 +33,7 @@ struct request {
 	uint8_t session;
 	uint8_t opcode;
 	uint8_t size;
+	bool to_all;      /* to no component in particular */
 	const char *path; /* without leading '/', not terminated */
 	size_t path_length;
 };
@@ -43,10 +45,12 @@ struct answer {
 	uint8_t *data; /* MAVLINK_FTP_DATA_MAX bytes */
 };
 
-void mavlink_ftp_init(struct mavlink_ftp *self, const struct mavlink_files *files)
+void mavlink_ftp_init(struct mavlink_ftp *self, const struct mavlink_files *files,
+                      struct mavlink_params *params)
 {
 	memset(self, 0, sizeof(*self));
 	self->files = files;
+	self->params = params;
 }
 
 /* --- wire ------------------------------------------------------------------------------------- */
@@ -96,6 +100,7 @@ static struct request read_request(const struct mavlink_frame *frame)
 		.opcode = (uint8_t)get_le(frame, AT_OPCODE, 1),
 		.size = (uint8_t)get_le(frame, AT_SIZE, 1),
 		.offset = get_le(frame, AT_OFFSET, 4),
+		.to_all = mavlink_frame_byte(frame, COMPONENT_OFFSET) == 0,
 	};
 
 	read_path(frame, &request);
@@ -113,84 +118,9 @@ static void write_reply(mavlink_file_transfer_protocol_t *wire, uint16_t sequenc
 	put_le(&wire->payload[AT_OFFSET], offset, 4);
 }
 
-/* --- files and sessions ----------------------------------------------------------------------- */
-
-static const struct mavlink_file *find_file(const struct mavlink_ftp *self,
-                                            const struct request *request)
-{
-	for (uint8_t i = 0; i < self->files->count; i++) {
-		const struct mavlink_file *const file = &self->files->files[i];
-
-		if (strlen(file->name) == request->path_length &&
-		    memcmp(file->name, request->path, request->path_length) == 0) {
-			return file;
-		}
-	}
-	return NULL;
-}
-
 static bool is_root(const struct request *request)
 {
 	return request->path_length == 0 || (request->path_length == 1 && request->path[0] == '.');
-}
-
-static bool is_whose(const struct mavlink_ftp_session *session,
-                     const struct mavlink_context *context)
-{
-	return session->link == context->link && session->system == context->source_system &&
-	       session->component == context->source_component;
-}
-
-/* The session of that id, if it is open and the asker's. */
-static struct mavlink_ftp_session *session_of(struct mavlink_ftp *self,
-                                              const struct mavlink_context *context, uint8_t id)
-{
-	struct mavlink_ftp_session *const session = &self->sessions[id % MAVLINK_FTP_SESSIONS];
-
-	if (id >= MAVLINK_FTP_SESSIONS || session->file == NULL || !is_whose(session, context)) {
-		return NULL;
-	}
-	session->used_us = context->now_us;
-	return session;
-}
-
-/* The session that this very request has opened before. */
-static struct mavlink_ftp_session *opened_by(struct mavlink_ftp *self,
-                                             const struct mavlink_context *context,
-                                             const struct request *request,
-                                             const struct mavlink_file *file)
-{
-	for (uint8_t i = 0; i < MAVLINK_FTP_SESSIONS; i++) {
-		struct mavlink_ftp_session *const session = &self->sessions[i];
-
-		if (session->file == file && is_whose(session, context) &&
-		    session->opened == request->sequence) {
-			return session;
-		}
-	}
-	return NULL;
-}
-
-/* A closed session, or the one that was idle for the longest, if that was long enough. */
-static struct mavlink_ftp_session *vacant(struct mavlink_ftp *self, int64_t now_us)
-{
-	struct mavlink_ftp_session *oldest = &self->sessions[0];
-
-	for (uint8_t i = 0; i < MAVLINK_FTP_SESSIONS; i++) {
-		struct mavlink_ftp_session *const session = &self->sessions[i];
-
-		if (session->file == NULL) {
-			return session;
-		}
-		if (session->used_us < oldest->used_us) {
-			oldest = session;
-		}
-	}
-	if (now_us - oldest->used_us < MAVLINK_FTP_IDLE_US) {
-		return NULL;
-	}
-	self->stats.evicted++;
-	return oldest;
 }
 
 /* --- operations: each returns a MAV_FTP_ERR ----------------------------------------------------
@@ -244,78 +174,37 @@ static uint8_t list_directory(struct mavlink_ftp *self, const struct request *re
 static uint8_t open_file(struct mavlink_ftp *self, const struct mavlink_context *context,
                          const struct request *request, struct answer *answer)
 {
-	const struct mavlink_file *const file = find_file(self, request);
-	struct mavlink_ftp_session *session;
+	const struct mavlink_file *const file =
+		mavlink_ftp_file(self, request->path, request->path_length);
+	const struct mavlink_ftp_session *session;
 
 	if (file == NULL) {
 		return MAV_FTP_ERR_FILENOTFOUND;
 	}
-	session = opened_by(self, context, request, file);
+	session =
+		mavlink_ftp_session_open(self, context, file, request->sequence, request->session);
 	if (session == NULL) {
-		session = vacant(self, context->now_us);
-		if (session == NULL) {
-			return MAV_FTP_ERR_NOSESSIONSAVAILABLE;
-		}
-		*session = (struct mavlink_ftp_session){
-			.file = file,
-			.opened = request->sequence,
-			.link = context->link,
-			.system = context->source_system,
-			.component = context->source_component,
-		};
+		return MAV_FTP_ERR_NOSESSIONSAVAILABLE;
 	}
-	session->used_us = context->now_us;
-	answer->session = (uint8_t)(session - self->sessions);
-	answer->size = sizeof(file->length);
-	put_le(answer->data, file->length, sizeof(file->length));
+	answer->session = session->id;
+	answer->size = sizeof(session->length);
+	put_le(answer->data, session->length, sizeof(session->length));
 	return MAV_FTP_ERR_NONE;
 }
 
 static uint8_t terminate(struct mavlink_ftp *self, const struct mavlink_context *context,
                          const struct request *request)
 {
-	struct mavlink_ftp_session *session = session_of(self, context, request->session);
-
-	if (session != NULL) {
-		session->file = NULL;
-		session->burst_length = 0;
-		session->closed = request->sequence;
-		session->was_closed = true;
-		return MAV_FTP_ERR_NONE;
-	}
-	session = &self->sessions[request->session % MAVLINK_FTP_SESSIONS];
-	return request->session < MAVLINK_FTP_SESSIONS && session->file == NULL &&
-	                       session->was_closed && session->closed == request->sequence &&
-	                       is_whose(session, context)
+	return mavlink_ftp_session_close(self, context, request->session, request->sequence)
 	               ? MAV_FTP_ERR_NONE
 	               : MAV_FTP_ERR_INVALIDSESSION;
-}
-
-static void reset_sessions(struct mavlink_ftp *self, const struct mavlink_context *context)
-{
-	for (uint8_t i = 0; i < MAVLINK_FTP_SESSIONS; i++) {
-		if (is_whose(&self->sessions[i], context)) {
-			self->sessions[i] = (struct mavlink_ftp_session){0};
-		}
-	}
-}
-
-/* Up to size bytes at offset, which is before the end. */
-static uint8_t copy_part(const struct mavlink_file *file, uint32_t offset, uint8_t size,
-                         uint8_t *to)
-{
-	const uint32_t left = file->length - offset;
-	const uint8_t count = left < size ? (uint8_t)left : size;
-
-	memcpy(to, file->bytes + offset, count);
-	return count;
 }
 
 static uint8_t read_file(struct mavlink_ftp *self, const struct mavlink_context *context,
                          const struct request *request, struct answer *answer)
 {
 	const struct mavlink_ftp_session *const session =
-		session_of(self, context, request->session);
+		mavlink_ftp_session_find(self, context, request->session);
 
 	if (session == NULL) {
 		return MAV_FTP_ERR_INVALIDSESSION;
@@ -323,10 +212,11 @@ static uint8_t read_file(struct mavlink_ftp *self, const struct mavlink_context 
 	if (request->size == 0) {
 		return MAV_FTP_ERR_INVALIDDATASIZE;
 	}
-	if (request->offset >= session->file->length) {
+	if (request->offset >= session->length) {
 		return MAV_FTP_ERR_EOF;
 	}
-	answer->size = copy_part(session->file, request->offset, request->size, answer->data);
+	answer->size = mavlink_ftp_session_read(self, session, request->offset, request->size,
+	                                        answer->data);
 	return MAV_FTP_ERR_NONE;
 }
 
@@ -334,12 +224,13 @@ static uint8_t read_file(struct mavlink_ftp *self, const struct mavlink_context 
 static uint8_t burst_read(struct mavlink_ftp *self, const struct mavlink_context *context,
                           const struct request *request)
 {
-	struct mavlink_ftp_session *const session = session_of(self, context, request->session);
+	struct mavlink_ftp_session *const session =
+		mavlink_ftp_session_find(self, context, request->session);
 
 	if (session == NULL) {
 		return MAV_FTP_ERR_INVALIDSESSION;
 	}
-	if (request->offset >= session->file->length) {
+	if (request->offset >= session->length) {
 		return MAV_FTP_ERR_EOF;
 	}
 	session->burst_length = request->size != 0 ? request->size : MAVLINK_FTP_DATA_MAX;
@@ -352,10 +243,12 @@ static uint8_t burst_read(struct mavlink_ftp *self, const struct mavlink_context
 static uint8_t calculate_crc(const struct mavlink_ftp *self, const struct request *request,
                              struct answer *answer)
 {
-	const struct mavlink_file *const file = find_file(self, request);
+	const struct mavlink_file *const file =
+		mavlink_ftp_file(self, request->path, request->path_length);
 
-	if (file == NULL) {
-		return MAV_FTP_ERR_FILENOTFOUND;
+	if (file == NULL || mavlink_ftp_is_packed(file)) {
+		return MAV_FTP_ERR_FILENOTFOUND; /* packed parameters are there once they are opened
+		                                  */
 	}
 	answer->size = sizeof(file->crc32);
 	put_le(answer->data, file->crc32, sizeof(file->crc32));
@@ -374,7 +267,7 @@ static uint8_t operate(struct mavlink_ftp *self, const struct mavlink_context *c
 	case MAV_FTP_OPCODE_TERMINATESESSION:
 		return terminate(self, context, request);
 	case MAV_FTP_OPCODE_RESETSESSION:
-		reset_sessions(self, context);
+		mavlink_ftp_session_reset(self, context);
 		return MAV_FTP_ERR_NONE;
 	case MAV_FTP_OPCODE_LISTDIRECTORY:
 		return list_directory(self, request, answer);
@@ -422,6 +315,9 @@ void mavlink_ftp_receive(struct mavlink_ftp *self, const struct mavlink_context 
 	if (error == MAV_FTP_ERR_NONE && request.opcode == MAV_FTP_OPCODE_BURSTREADFILE) {
 		return; /* the step sends it */
 	}
+	if (error != MAV_FTP_ERR_NONE && error != MAV_FTP_ERR_EOF && request.to_all) {
+		return; /* another component may have it */
+	}
 	if (error != MAV_FTP_ERR_NONE) {
 		self->stats.refused += error == MAV_FTP_ERR_EOF ? 0 : 1;
 		wire.payload[AT_OPCODE] = MAV_FTP_OPCODE_NAK;
@@ -440,11 +336,12 @@ static void send_part(struct mavlink_ftp *self, const struct mavlink_context *co
 {
 	mavlink_file_transfer_protocol_t wire;
 
-	write_reply(&wire, session->burst_sequence, MAV_FTP_OPCODE_BURSTREADFILE,
-	            (uint8_t)(session - self->sessions), session->burst_offset);
+	write_reply(&wire, session->burst_sequence, MAV_FTP_OPCODE_BURSTREADFILE, session->id,
+	            session->burst_offset);
 
-	const uint8_t size = copy_part(session->file, session->burst_offset, session->burst_length,
-	                               &wire.payload[AT_DATA]);
+	const uint8_t size =
+		mavlink_ftp_session_read(self, session, session->burst_offset,
+	                                 session->burst_length, &wire.payload[AT_DATA]);
 
 	wire.payload[AT_SIZE] = size;
 	wire.target_system = session->system;
@@ -452,7 +349,7 @@ static void send_part(struct mavlink_ftp *self, const struct mavlink_context *co
 	session->burst_sequence++;
 	session->burst_offset += size;
 	session->used_us = context->now_us;
-	if (session->burst_offset == session->file->length) {
+	if (session->burst_offset == session->length) {
 		wire.payload[AT_BURST_COMPLETE] = 1;
 		session->burst_length = 0;
 	}
@@ -461,6 +358,7 @@ static void send_part(struct mavlink_ftp *self, const struct mavlink_context *co
 
 bool mavlink_ftp_step(struct mavlink_ftp *self, const struct mavlink_context *context)
 {
+	mavlink_ftp_session_expire(self, context->now_us);
 	for (uint8_t i = 0; i < MAVLINK_FTP_SESSIONS; i++) {
 		struct mavlink_ftp_session *const session = &self->sessions[i];
 
@@ -486,7 +384,7 @@ bool mavlink_ftp_step(struct mavlink_ftp *self, const struct mavlink_context *co
 
 int64_t mavlink_ftp_deadline_us(const struct mavlink_ftp *self)
 {
-	int64_t due_us = TIME_NEVER_US;
+	int64_t due_us = mavlink_ftp_session_due_us(self);
 
 	for (uint8_t i = 0; i < MAVLINK_FTP_SESSIONS; i++) {
 		const struct mavlink_ftp_session *const session = &self->sessions[i];

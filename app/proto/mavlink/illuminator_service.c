@@ -28,7 +28,7 @@ void mavlink_illuminator_init(struct mavlink_illuminator *self, struct illuminat
 	mavlink_params_init(&self->params, params);
 	mavlink_self_test_init(&self->self_test, self_test);
 #ifdef CONFIG_PHAROS_FTP
-	mavlink_ftp_init(&self->ftp, identity->files);
+	mavlink_ftp_init(&self->ftp, identity->files, &self->params);
 #endif
 	for (size_t i = 0; i < MAVLINK_NOTICE_KINDS; i++) {
 		self->noticed_us[i] = -1;

@@ -94,6 +94,7 @@ _Static_assert(MAVLINK_OUTBOX_BYTES >= MAVLINK_STEP_BYTES, "the answers to a fra
 _Static_assert(MAVLINK_OUTBOX_BYTES <= UINT16_MAX, "offsets are 16 bits");
 _Static_assert(MAVLINK_SIGNING_STORE_S < 60, "stored at least once a minute");
 _Static_assert(MAVLINK_LINKS_MAX <= 8, "a set of links is 8 bits");
+_Static_assert(MAVLINK_FTP_SESSIONS < UINT8_MAX, "a client has a number to spare");
 _Static_assert(MAVLINK_MESSAGES_MAX <= 16, "a set of streams is 16 bits");
 
 #endif

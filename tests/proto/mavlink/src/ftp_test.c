@@ -26,7 +26,7 @@ static void before(void *unused)
 	}
 	served[0].length = 0;
 	served[1].length = sizeof(content);
-	mavlink_ftp_init(&service.ftp, &files);
+	mavlink_ftp_init(&service.ftp, &files, &service.params);
 }
 
 ZTEST_SUITE(mavlink_ftp, NULL, NULL, before, NULL, NULL);
@@ -211,6 +211,168 @@ ZTEST(mavlink_ftp, test_two_bursts_on_one_link_share_its_pace)
 
 	zassert_true(now_us - begin_us >= least_us, "%d us", (int)(now_us - begin_us));
 	zassert_true(now_us - begin_us <= least_us * 11 / 10, "%d us", (int)(now_us - begin_us));
+}
+
+/* MAVProxy chooses a number and drops answers with another one. */
+ZTEST(mavlink_ftp, test_the_clients_number_is_taken)
+{
+	const uint8_t *payload;
+
+	for (uint8_t i = 0; i < MAVLINK_FTP_SESSIONS; i++) {
+		const uint8_t wanted = (uint8_t)(69 + 60 * i);
+
+		/* two sessions may well begin with the same sequence number and file */
+		payload = asked((struct ask){.session = wanted, .opcode = 4, .path = names[1]});
+		assert_ok(payload);
+		zassert_equal(payload[2], wanted);
+	}
+	payload = asked((struct ask){.session = 129, .opcode = 5, .size = 9});
+	assert_ok(payload);
+	zassert_equal(payload[2], 129);
+	assert_error(asked((struct ask){.session = 0, .opcode = 5, .size = 9}), 4);
+	assert_ok(asked((struct ask){.sequence = 4, .session = 129, .opcode = 1}));
+	assert_ok(asked((struct ask){.sequence = 4, .session = 129, .opcode = 1}));
+	assert_error(asked((struct ask){.sequence = 6, .session = 129, .opcode = 1}), 4);
+	payload = asked((struct ask){.sequence = 8, .session = 129, .opcode = 4, .path = names[2]});
+	assert_ok(payload);
+	zassert_equal(payload[2], 129);
+}
+
+ZTEST(mavlink_ftp, test_a_number_in_use_is_not_given_twice)
+{
+	const struct ask open = {.session = 1, .opcode = 4, .path = names[1]};
+	struct ask other = open;
+
+	zassert_equal(asked(open)[2], 1);
+	zassert_equal(asked(open)[2], 1, "the same request");
+	for (uint8_t i = 0; i < 3; i++) {
+		static const uint8_t lowest[] = {0, 2, 3};
+
+		other.sequence = (uint16_t)(other.sequence + 2);
+		zassert_equal(asked(other)[2], lowest[i]);
+	}
+}
+
+ZTEST(mavlink_ftp, test_numbers_are_each_clients_own)
+{
+	const struct ask open = {.session = 69, .opcode = 4, .path = names[1]};
+
+	send(0, open);
+	zassert_equal(reply(0)[2], 69);
+	send(1, open);
+	zassert_equal(reply(0)[2], 69);
+	send(1, (struct ask){.sequence = 2, .session = 69, .opcode = 1});
+	assert_ok(reply(0));
+	send(0, (struct ask){.sequence = 2, .session = 69, .opcode = 5, .size = 9});
+	assert_ok(reply(0));
+}
+
+/* Another component may have the file. */
+ZTEST(mavlink_ftp, test_what_all_are_asked_for_in_vain_meets_silence)
+{
+	static const struct mavlink_kind kind = MAVLINK_KIND(FILE_TRANSFER_PROTOCOL);
+	static const struct {
+		uint8_t opcode;
+		const char *path;
+		uint8_t answer; /* 0: none */
+	} table[] = {
+		{4, "@SYS/threads.txt", 0}, /* open */
+		{5, "", 0},                 /* read a session of someone else */
+		{6, "new.txt", 0},          /* create */
+		{42, "", 0},                /* unknown */
+		{3, "/", 128},              /* list */
+		{4, NAME_FORMAT "b", 128},
+	};
+
+	for (size_t i = 0; i < ARRAY_SIZE(table); i++) {
+		mavlink_file_transfer_protocol_t wire = {.target_system = 1};
+
+		wire.payload[2] = 7;
+		wire.payload[3] = table[i].opcode;
+		wire.payload[4] = (uint8_t)strlen(table[i].path);
+		memcpy(&wire.payload[12], table[i].path, strlen(table[i].path));
+		receive_message(0, &kind, &wire);
+		zassert_equal(out.count, table[i].answer == 0 ? 0 : 1, "row %zu", i);
+		if (out.count != 0) {
+			zassert_equal(reply(0)[3], table[i].answer);
+		}
+	}
+}
+
+#define PACK "@PARAM/param.pck"
+
+static uint32_t values_sent(int64_t until_us)
+{
+	return run_until(until_us).others[0];
+}
+
+/* All of the file, in parts of 239, from a session; the values are 4 bytes before each name. */
+static uint32_t read_pack(uint8_t session, uint8_t *to)
+{
+	uint32_t length = 0;
+
+	for (;;) {
+		const uint8_t *const payload = asked((struct ask){
+			.session = session, .opcode = 5, .size = 239, .offset = length});
+
+		if (payload[3] == 129) {
+			assert_error(payload, 6);
+			return length;
+		}
+		memcpy(to + length, &payload[12], payload[4]);
+		length += payload[4];
+	}
+}
+
+ZTEST(mavlink_ftp, test_packed_parameters_are_of_one_instant)
+{
+	static uint8_t first[4096];
+	static uint8_t again[4096];
+	struct param_set changed;
+	uint32_t length;
+
+	(void)run_until(SECOND);
+	assert_ok(asked((struct ask){.session = 9, .opcode = 4, .path = PACK "?withdefaults=1"}));
+	length = read_pack(9, first);
+	zassert_equal(length, mavlink_param_pack_length(&service.ftp.pack, true));
+	zassert_equal(params_set(&device_params, PARAM_LGT_RESTORE, 1, &changed), PARAMS_OK);
+	zassert_equal(read_pack(9, again), length);
+	zassert_mem_equal(first, again, length);
+
+	/* new ones are not to be had while someone reads the old ones */
+	assert_error(asked((struct ask){.session = 8, .sequence = 2, .opcode = 4, .path = PACK}),
+	             5);
+	zassert_equal(values_sent(now_us + SECOND), 0);
+	assert_ok(asked((struct ask){.session = 9, .sequence = 4, .opcode = 1}));
+	zassert_equal(values_sent(now_us + SECOND), 1, "what the file had wrong");
+	assert_ok(asked((struct ask){.session = 8, .sequence = 6, .opcode = 4, .path = PACK}));
+}
+
+ZTEST(mavlink_ftp, test_idle_packed_parameters_are_given_up)
+{
+	struct param_set changed;
+
+	(void)run_until(SECOND);
+	assert_ok(asked((struct ask){.session = 9, .opcode = 4, .path = PACK}));
+	zassert_equal(params_set(&device_params, PARAM_LGT_RESTORE, 1, &changed), PARAMS_OK);
+	zassert_equal(values_sent(now_us + 9 * SECOND), 0);
+	zassert_equal(values_sent(now_us + 2 * SECOND), 1);
+	assert_error(asked((struct ask){.session = 9, .opcode = 5, .size = 9}), 4);
+}
+
+ZTEST(mavlink_ftp, test_two_clients_read_the_same_packed_parameters)
+{
+	struct param_set changed;
+
+	assert_ok(asked((struct ask){.session = 9, .opcode = 4, .path = PACK}));
+	assert_ok(asked((struct ask){.session = 8, .opcode = 4, .path = PACK "?withdefaults=1"}));
+	zassert_equal(params_set(&device_params, PARAM_LGT_RESTORE, 1, &changed), PARAMS_OK);
+	assert_ok(asked((struct ask){.session = 9, .sequence = 2, .opcode = 1}));
+	/* the other still does */
+	assert_error(asked((struct ask){.session = 7, .sequence = 4, .opcode = 4, .path = PACK}),
+	             5);
+	assert_ok(asked((struct ask){.session = 8, .sequence = 6, .opcode = 2}));
+	assert_ok(asked((struct ask){.session = 7, .sequence = 8, .opcode = 4, .path = PACK}));
 }
 
 ZTEST(mavlink_ftp, test_version_1_can_read_too)
