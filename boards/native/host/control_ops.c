@@ -84,6 +84,18 @@ static enum control_result run_wires(struct control_call *call)
 	return CONTROL_OK;
 }
 
+static enum control_result run_host(struct control_call *call)
+{
+	struct clock_stops stops;
+
+	control_put_integer(call->reply, "now_us", (int64_t)clock_board_us());
+	stops = clock_stops_get();
+	control_put_integer(call->reply, "stops", stops.count);
+	control_put_integer(call->reply, "stopped_us", (int64_t)stops.total_us);
+	control_put_integer(call->reply, "behind_us", (int64_t)stops.behind_us);
+	return CONTROL_OK;
+}
+
 static enum control_result run_reset(struct control_call *call)
 {
 	const char *name = "pin";
@@ -207,6 +219,9 @@ static const struct control_op ops[] = {
          run_hello},
 	{"ops", "all operations, and all devices that take faults", run_ops},
 	{"wires", "address and counters of every wire", run_wires},
+	{"host",
+         "how often and how long the host has stood still, and what of it is to be made up for",
+         run_host},
 	{"fault", "device, kind, and what that device takes: injects a fault; kind none ends it",
          run_fault},
 	{"reset", "cause (pin): resets the board; the reply comes when it is up again", run_reset},

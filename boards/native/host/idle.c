@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What the processor does when no thread is ready: the one place where the host's world comes in.
  */
-#include <inttypes.h>
-
 #include "host/clock.h"
 #include "host/control.h"
 #include "host/lockstep.h"
 #include "host/loop.h"
 #include "host/module.h"
+#include "host/say.h"
 #include "host/wire.h"
 #include "kernel/port.h"
 
@@ -27,14 +26,18 @@ static void tell_up(void)
 
 static void idle_real(uint64_t deadline_us)
 {
-	const uint64_t now_us = clock_board_us();
+	uint64_t stop_ms;
 
 	wires_flush();
 	tell_up();
 	if (control_run_one()) {
 		return;
 	}
-	if (now_us >= clock_until_us()) {
+	stop_ms = clock_take_stop_ms();
+	if (stop_ms > 0) {
+		host_say("host stood still for %.1f s", (double)stop_ms / 1000.0);
+	}
+	if (clock_board_us() >= clock_until_us()) {
 		port_exit(0);
 	}
 	if (deadline_us > clock_until_us()) {
@@ -43,7 +46,7 @@ static void idle_real(uint64_t deadline_us)
 	if (deadline_us == UINT64_MAX) {
 		loop_poll(-1);
 	} else {
-		loop_poll(deadline_us > now_us ? (int64_t)((deadline_us - now_us) * 1000u) : 0);
+		loop_poll((int64_t)clock_host_until_ns(deadline_us));
 	}
 }
 

@@ -207,10 +207,20 @@ static void set_alarm(uint64_t due_ns)
 
 static int wait_events(int64_t timeout_ns)
 {
-	if (timeout_ns > 0) {
-		set_alarm(clock_host_ns() + (uint64_t)timeout_ns);
+	uint64_t until_ns = UINT64_MAX;
+	int count;
+
+	if (timeout_ns == 0) {
+		return epoll_wait(epoll_fd, batch, EVENTS_MAX, 0);
 	}
-	return epoll_wait(epoll_fd, batch, EVENTS_MAX, timeout_ns == 0 ? 0 : -1);
+	if (timeout_ns > 0) {
+		until_ns = clock_host_ns() + (uint64_t)timeout_ns;
+		set_alarm(until_ns);
+	}
+	clock_wait_begin(until_ns);
+	count = epoll_wait(epoll_fd, batch, EVENTS_MAX, -1);
+	clock_wait_end();
+	return count;
 }
 
 static int serve_always(void)

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A host that is slow or stands still is not the light's trouble: real time, whatever the load."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness import BINARY
+from pharos.control import ControlClient
+
+PATIENCE_S = 60.0
+# The lamp's full power, as `outputs` has it.
+FULL_PPM = 1_000_000
+
+
+class RealLight:
+    """The light in real time. Its lamp is switched with its button."""
+
+    def __init__(self, folder: Path, *options: str, **how: Any) -> None:
+        self.path = folder / "control"
+        self.stderr = folder / "stderr"
+        self.process = subprocess.Popen(
+            [str(BINARY), "--control", str(self.path), "--console", "none", *options],
+            stdin=subprocess.DEVNULL,
+            **{"stderr": self.stderr.open("ab"), **how},
+        )
+        self.control = self._connect()
+
+    def _connect(self) -> ControlClient:
+        deadline = time.monotonic() + PATIENCE_S
+        while True:
+            assert self.process.poll() is None, self.stderr.read_text()
+            try:
+                return ControlClient(str(self.path))
+            except OSError:
+                assert time.monotonic() < deadline, "the light opened no control socket"
+
+    def outputs(self, **fields: Any) -> dict[str, Any]:
+        return self.control.request("outputs", **fields)
+
+    def now_us(self) -> int:
+        return int(self.control.request("hello")["now_us"])
+
+    def host(self) -> tuple[int, dict[str, Any], int]:
+        """The operation `host`, and the host's clock before and after it in us."""
+        asked = time.monotonic_ns() // 1000
+        reply = self.control.request("host")
+        return asked, reply, time.monotonic_ns() // 1000 + 1
+
+    def until(self, what: str, condition: Callable[[], bool]) -> None:
+        deadline = time.monotonic() + PATIENCE_S
+        while not condition():
+            assert time.monotonic() < deadline, f"never came: {what}"
+
+    def run_for(self, us: int) -> None:
+        """Board time goes on by this much."""
+        end_us = self.now_us() + us
+        self.until("board time", lambda: self.now_us() >= end_us)
+
+    def switch_on(self) -> None:
+        """At full power; from here on `peak_ppm` is that of the light asked for."""
+        self.control.request("gpio", line="button", value=0, pulse_us=100_000)
+        self.until("light", lambda: self.outputs()["level_ppm"] == FULL_PPM)
+        self.outputs(reset=True)
+
+    def stop(self, seconds: float) -> None:
+        self.process.send_signal(signal.SIGSTOP)
+        time.sleep(seconds)
+        self.process.send_signal(signal.SIGCONT)
+
+    def check_untouched(self) -> None:
+        """It goes on as if nothing had been: the same boot, a sensor that works, and light."""
+        now = self.outputs()
+        assert (now["resets"], now["thermal_state"]) == (0, 0)
+        assert now["level_ppm"] == now["peak_ppm"] == now["limit_ppm"] == FULL_PPM
+
+    def said(self, text: str) -> list[str]:
+        return [line for line in self.stderr.read_text().splitlines() if text in line]
+
+    def close(self) -> None:
+        self.control.close()
+        self.process.kill()
+        self.process.wait()
+
+
+Start = Callable[..., RealLight]
+
+
+@pytest.fixture
+def real(tmp_path: Path) -> Iterator[Start]:
+    with ExitStack() as stack:
+
+        def start(*options: str, **how: Any) -> RealLight:
+            light = RealLight(tmp_path, *options, **how)
+            stack.callback(light.close)
+            return light
+
+        yield start
+
+
+# --- a host that stands still ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seconds", [1.5, 5.0])
+def test_a_stop_is_told_in_one_line_and_bites_nothing(real: Start, seconds: float) -> None:
+    light = real()
+    light.switch_on()
+    before = light.control.request("host")
+    light.stop(seconds)
+    light.until("a line", lambda: bool(light.said("host stood still")))
+    light.run_for(1_500_000)  # longer than every limit of supervision
+    light.check_untouched()
+    stopped_us = light.control.request("host")["stopped_us"] - before["stopped_us"]
+    assert stopped_us >= seconds * 1e6 - 250_000
+    told = [float(line.split()[-2]) for line in light.said("host stood still for")]
+    assert any(length >= seconds - 0.25 for length in told)
+
+
+def test_board_time_leaves_a_stop_out_and_makes_up_for_it(real: Start) -> None:
+    light = real()
+    asked, before, answered = light.host()
+    light.stop(1.5)
+    asked_again, after, answered_again = light.host()
+    assert after["behind_us"] >= before["behind_us"] + 1_250_000
+    # What is behind is all that it lacks of the host's time.
+    passed_us = sum(after[key] - before[key] for key in ("now_us", "behind_us"))
+    assert asked_again - answered <= passed_us <= answered_again - asked + 1
+
+
+def test_heat_during_a_stop_is_seen_at_once_after_it(real: Start) -> None:
+    light = real()
+    light.switch_on()
+    light.control.request("set", temp_mdegc=120_000)
+    light.stop(1.5)
+    light.until("dark", lambda: light.outputs()["level_ppm"] == 0)
+    assert light.outputs()["resets"] == 0
+
+
+def test_a_thread_that_really_stalls_still_bites(real: Start) -> None:
+    light = real()
+    light.switch_on()
+    light.control.request("fault", device="thread", kind="stalled", name="thermal")
+    light.until("a reset", lambda: light.outputs()["resets"] == 1)
+    now = light.outputs()
+    assert (now["reset_cause"], now["level_ppm"]) == ("watchdog", 0)
