@@ -8,6 +8,9 @@
 # make parameters docs/parameters.md, from the table
 # make lint    clang-format, ruff, mypy, shellcheck
 # make fuzz    every libFuzzer harness for FUZZ_RUNS executions each
+# make simulate worlds of lights, faults and attackers, from seeds: SEEDS=1:301, SEED=42 tells one,
+#              WORKERS=tcp://HOST:8786 spreads them over a Dask cluster
+# make simulate-worker SCHEDULER=tcp://HOST:8786: this machine's cores work for that cluster
 # make format  lay out C and Python sources
 # make clean
 
@@ -19,9 +22,13 @@ PRESET ?= native
 ARGS ?= --uart0 udpout:127.0.0.1:14550 --uart1 tcpin:127.0.0.1:5770
 STAGES ?=
 FUZZ_RUNS ?= 10000000
+SEEDS ?= 1:301
+SEED ?=
+WORKERS ?= local
+SCHEDULER ?=
 PYTHON = .venv/bin/python
 
-.PHONY: run test build bench picture parameters lint fuzz format clean setup
+.PHONY: run test build bench picture parameters lint fuzz simulate simulate-worker format clean setup
 
 build: setup
 	@test -f build/$(PRESET)/build.ninja || cmake --preset $(PRESET) --log-level=NOTICE
@@ -53,6 +60,16 @@ lint:
 fuzz:
 	@boards/native/setup.sh test
 	@$(PYTHON) tests/run.py fuzz --fuzz-runs $(FUZZ_RUNS)
+
+simulate:
+	@boards/native/setup.sh test
+	@$(MAKE) --no-print-directory build
+	@$(PYTHON) tests/sim/world/run.py $(if $(SEED),--seed $(SEED),--seeds $(SEEDS) --workers $(WORKERS))
+
+simulate-worker:
+	@boards/native/setup.sh test
+	@$(MAKE) --no-print-directory build
+	@PYTHONPATH=tests/sim/world .venv/bin/dask worker $(SCHEDULER) --nworkers -1 --nthreads 1
 
 format:
 	@git ls-files '*.c' '*.h' | xargs clang-format -i

@@ -1,0 +1,465 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A model of one light, written from the MAVLink guide, common.xml and docs/architecture.md's
+promises. It shares no code with the firmware, and sees only what the world sees: what was sent,
+what came back, and the board's outputs.
+
+A wire may lose what was sent, so the model holds every state that the light can be in: a set of
+certain ones, and commands that may or may not have arrived since, in order. An ACK or a status
+rules states out; when it rules out all, a promise is broken.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+ACCEPTED = 0
+TEMPORARILY_REJECTED = 1
+DENIED = 2
+UNSUPPORTED = 3
+FAILED = 4
+
+INTERNAL = 1
+# Whom a MAVLink 1 COMMAND_ACK is for: it has no such fields.
+NOBODY = (0, 0)
+
+# Docs of the parameters: defaults of heat.
+THROTTLE_C = 80.0
+SHUTDOWN_C = 100.0
+RECOVER_C = 70.0
+FLOOR = 0.2
+SAFE = 0.1
+SLEW_PER_S = 0.1
+# A sample is at most 0.1 s old and the sensor's noise small; the world looks every 0.25 s.
+SENSOR_ERROR_C = 1.5
+SETTLE_US = 500_000
+
+ACK_US = 500_000
+# What has not been answered by then is not under way any more.
+FLIGHT_US = 2_000_000
+# After a fault the light is itself again: a watchdog bites within 2 s, a boot takes less than 1 s.
+HEAL_US = 3_500_000
+# What a light may say on one wire, without being asked for lists or files [bytes/s].
+TRAFFIC_MAX = 4_000
+LOSS_US = 5_000_000
+# A change is stored when it has stood for a second; one that goes on changing, after 30 s.
+STORE_US = 32_000_000
+
+
+@dataclass(frozen=True)
+class Lamp:
+    """What was commanded, as ILLUMINATOR_STATUS says it."""
+
+    enable: bool = False
+    mode: int = INTERNAL
+    brightness: float = 100.0
+    period: float = 0.0
+    duty: float = 100.0
+
+    kept: bool = False  # over a reset, in parts per million and microseconds: so rounded
+
+    def shows_as(self, said: Lamp) -> bool:
+        """Whether a status that says this fits: exactly, or rounded if it was kept."""
+        if (said.enable, said.mode) != (self.enable, self.mode):
+            return False
+        pairs = (
+            (self.brightness, said.brightness, 1.5e-4),
+            (self.period, said.period, 1.5e-6),
+            (self.duty, said.duty, 1.5e-4),
+        )
+        return all(a == b or (self.kept and abs(a - b) < error) for a, b, error in pairs)
+
+
+Effect = Callable[[Lamp], Lamp]
+
+
+def turned(on: bool) -> Effect:
+    return lambda lamp: replace(lamp, enable=on)
+
+
+def configured(brightness: float, period: float, duty: float, mode: int) -> Effect:
+    return lambda lamp: replace(
+        lamp, brightness=brightness, period=period, duty=duty, mode=mode, kept=False
+    )
+
+
+def nothing(lamp: Lamp) -> Lamp:
+    return lamp
+
+
+def is_in_range(brightness: float, period: float, duty: float, mode: int) -> bool:
+    """common.xml, MAV_CMD_DO_ILLUMINATOR_CONFIGURE; 0.01 to 10 s are this light's."""
+    return (
+        0.0 <= brightness <= 100.0
+        and (period == 0.0 or 0.0099999 <= period <= 10.0)
+        and 0.0 <= duty <= 100.0
+        and mode in (1, 2)
+    )
+
+
+@dataclass
+class Sent:
+    """A command on its way. sure: nothing on the way could lose it or its answer."""
+
+    sender: tuple[int, int]
+    command: int
+    effect: Effect
+    results: frozenset[int]
+    at_us: int
+    sure: bool
+    late_told: bool = False
+
+
+@dataclass
+class Tally:
+    commands: int = 0
+    accepted: int = 0
+    refused: int = 0
+    unanswered: int = 0
+    statuses: int = 0
+    edges: int = 0
+    resets: int = 0
+    samples: int = 0
+
+
+@dataclass
+class Circumstances:
+    """What the world knows of the light's surroundings, as it makes them."""
+
+    wire_clean_us: int = 0  # since when nothing on the wire was lost or changed
+    healthy_us: int = 0  # since when no reset, stall or sensor fault has disturbed it
+    sensor: str = "none"
+    sensor_us: int = 0
+    stalled_us: int | None = None
+    wire_faulty: bool = False
+    bus_faulty: bool = False
+    heard_us: int | None = None  # last sign of life that counts; None: none since the reset
+    may_be_heard_us: int = 0  # last sign of life that perhaps arrived
+    up_us: int = 0
+
+
+class Oracle:
+    """One light's. `violations` is what was promised and not kept."""
+
+    def __init__(self, *, key: bool, restore: bool, fallback: str) -> None:
+        self.key = key
+        self.restore = restore
+        self.fallback = fallback  # "", "loss-off", "loss-beacon"
+        self.certain: set[Lamp] = {Lamp()}
+        self.pending: list[Sent] = []
+        self.spent: deque[Sent] = deque(maxlen=64)
+        self.history: list[tuple[int, frozenset[Lamp]]] = [(0, frozenset(self.certain))]
+        self.around = Circumstances()
+        self.violations: list[str] = []
+        self.tally = Tally()
+        self.resets_seen = 0
+        self.resets_due = 0
+        self._hottest: deque[tuple[int, float]] = deque()
+        self._latched_us: int | None = None
+        self._steady_us = 0  # since when the set of possible states is the same
+        self._traffic: deque[tuple[int, int]] = deque()
+        self._edges: deque[tuple[int, int]] = deque(maxlen=8)
+        self._level = 0
+
+    # --- what may be --------------------------------------------------------------------------
+    def _closure(self, states: Iterable[Lamp], sent: Iterable[Sent]) -> set[Lamp]:
+        found = set(states)
+        for one in sent:
+            if FAILED in one.results or ACCEPTED in one.results:
+                found |= {one.effect(state) for state in found}
+        return found
+
+    def possible(self) -> set[Lamp]:
+        """Every state that the light can be in now."""
+        return self._closure(self.certain, self.pending)
+
+    def _settle(self, now_us: int) -> None:
+        while self.pending and now_us - self.pending[0].at_us > FLIGHT_US:
+            lost = self.pending.pop(0)
+            self.certain = self._closure(self.certain, [lost])
+            self.spent.append(lost)
+            self.tally.unanswered += 1
+            self._changed(now_us)
+
+    def _changed(self, now_us: int) -> None:
+        self._steady_us = now_us
+        self.history.append((now_us, frozenset(self.possible())))
+
+    def _broken(self, now_us: int, what: str) -> None:
+        self.violations.append(f"{now_us / 1e6:.3f} s: {what}")
+
+    # --- what was sent ------------------------------------------------------------------------
+    def sent(self, one: Sent, *, authorised: bool) -> None:
+        """authorised: the security table lets this sender do it."""
+        self._settle(one.at_us)
+        self.tally.commands += 1
+        if authorised:
+            self.pending.append(one)
+            self._changed(one.at_us)
+            self.life(one.at_us, one.sure)
+
+    def switched(self, now_us: int, on: bool, sure: bool) -> None:
+        """By a protocol without answers."""
+        changed = {turned(on)(state) for state in self.possible()}
+        self._settle(now_us)
+        self.certain = changed | self.possible()
+        self.pending.clear()
+        self._changed(now_us)
+        self.life(now_us, sure)
+
+    def life(self, now_us: int, sure: bool) -> None:
+        """A sign of life of a commander."""
+        self.around.may_be_heard_us = now_us
+        if sure:
+            self.around.heard_us = now_us
+
+    # --- what came ----------------------------------------------------------------------------
+    def acknowledged(self, now_us: int, to: tuple[int, int], command: int, result: int) -> None:
+        # Answers come at once: it is the last such command's. Those before it were lost, or theirs.
+        for index in reversed(range(len(self.pending))):
+            one = self.pending[index]
+            if one.command == command and to in (one.sender, NOBODY):
+                break
+        else:
+            late = any(one.command == command and to in (one.sender, NOBODY) for one in self.spent)
+            if not late or not self._was_disturbed(now_us):
+                self._broken(now_us, f"an ACK of {command} to {to} that nobody waits for")
+            return
+        if result not in one.results and not (result == FAILED and self._may_fail(now_us)):
+            self._broken(now_us, f"command {command} of {to} was answered with {result}")
+        before = self._closure(self.certain, self.pending[:index])
+        if result == ACCEPTED:
+            self.tally.accepted += 1
+            before = {one.effect(state) for state in before}
+        else:
+            self.tally.refused += 1
+        self.certain = before
+        self.spent.extend(self.pending[: index + 1])
+        del self.pending[: index + 1]
+        self._changed(now_us)
+
+    def _was_disturbed(self, now_us: int) -> bool:
+        return self.around.wire_faulty or now_us - self.around.wire_clean_us < 2 * FLIGHT_US
+
+    def _may_fail(self, now_us: int) -> bool:
+        """Heat, a sensor that has failed, or a light that just started."""
+        return self._latched_us is not None or self._hot(now_us) or not self._is_healthy(now_us)
+
+    def status(self, now_us: int, message: Any) -> None:
+        self.tally.statuses += 1
+        said = Lamp(
+            bool(message.enable), int(message.mode), float(message.brightness),
+            float(message.strobe_period), float(message.strobe_duty_cycle),
+        )  # fmt: skip
+        self._settle(now_us)
+        possible = self.possible()
+        fitting = {state for state in possible if state.shows_as(said)}
+        if not fitting and not self._may_have_fallen_back(now_us, said, possible):
+            shown = "; ".join(str(state) for state in sorted(possible, key=str)[:3])
+            self._broken(now_us, f"the status says {said}, and nobody commanded that: {shown}")
+            self.certain, self.pending = {said}, []
+        elif not self.pending and self.certain != fitting:
+            self.certain = fitting or {said}
+            self._changed(now_us)
+        if math.isnan(message.temp_c) and self._is_healthy(now_us):
+            self._broken(now_us, "the sensor is well, and the status has no temperature")
+
+    def _may_have_fallen_back(self, now_us: int, said: Lamp, possible: set[Lamp]) -> bool:
+        """A fallback changes what the lamp does; whether it shows in the settings is its own."""
+        if not self.fallback or not self._may_be_lost(now_us):
+            return False
+        return any(
+            said in (replace(p, enable=False), replace(said, enable=said.enable)) for p in possible
+        )
+
+    def traffic(self, now_us: int, size: int) -> None:
+        self._traffic.append((now_us, size))
+        while self._traffic and now_us - self._traffic[0][0] > 5_000_000:
+            self._traffic.popleft()
+        if sum(size for _, size in self._traffic) > 5 * TRAFFIC_MAX:
+            self._broken(now_us, "more than 20 kB in 5 s on one wire")
+            self._traffic.clear()
+
+    # --- what the board does ------------------------------------------------------------------
+    def reset_expected(self, now_us: int) -> None:
+        self.resets_due += 1
+        self.around.healthy_us = now_us
+
+    def sample(self, now_us: int, outputs: dict[str, Any]) -> None:
+        self.tally.samples += 1
+        self._settle(now_us)
+        if int(outputs["resets"]) != self.resets_seen:
+            self._restarted(now_us, int(outputs["resets"]), str(outputs["reset_cause"]))
+        temp_c = outputs["temp_mdegc"] / 1000
+        self._hottest.append((now_us, temp_c))
+        while now_us - self._hottest[0][0] > SETTLE_US:
+            self._hottest.popleft()
+        level = int(outputs["level_ppm"]) / 1e6
+        self._check_heat(now_us, level, temp_c)
+        self._check_level(now_us, level)
+        self._check_answers(now_us)
+
+    def _restarted(self, now_us: int, resets: int, cause: str) -> None:
+        came = resets - self.resets_seen
+        self.resets_seen = resets
+        self.tally.resets += came
+        stalled = self.around.stalled_us is not None and cause == "watchdog"
+        if came > self.resets_due and not stalled:
+            self._broken(now_us, f"a reset that nobody asked for: {cause}")
+        self.resets_due = 0
+        self.around.stalled_us = None
+        self.around.up_us = now_us
+        self.around.healthy_us = now_us
+        self.around.heard_us = None
+        self._latched_us = None
+        self.pending.clear()
+        kept = self._stored(now_us) if self.restore else {Lamp()}
+        self.certain = kept
+        self.history = [(now_us, frozenset(kept))]
+        self._changed(now_us)
+
+    def _stored(self, now_us: int) -> set[Lamp]:
+        """What may have been stored: every state in force within the time that storing may take."""
+        found: set[Lamp] = {Lamp()} if now_us < STORE_US else set()
+        for index, (_, states) in enumerate(self.history):
+            end = self.history[index + 1][0] if index + 1 < len(self.history) else now_us
+            if end >= now_us - STORE_US:
+                found |= states
+        return {replace(state, kept=True) for state in found}
+
+    def _hot(self, now_us: int) -> bool:
+        return any(temp >= SHUTDOWN_C - SENSOR_ERROR_C for _, temp in self._hottest)
+
+    def _is_healthy(self, now_us: int) -> bool:
+        around = self.around
+        return (
+            around.sensor == "none"
+            and around.stalled_us is None
+            and now_us - max(around.healthy_us, around.sensor_us) > HEAL_US
+        )
+
+    def _limit(self, temp_c: float) -> float:
+        """The most that heat allows, with the sensor's error on the light's side."""
+        temp_c -= SENSOR_ERROR_C
+        if temp_c >= SHUTDOWN_C:
+            return 0.0
+        if temp_c <= THROTTLE_C:
+            return 1.0
+        share = (temp_c - THROTTLE_C) / (SHUTDOWN_C - THROTTLE_C)
+        return 1.0 - share * (1.0 - FLOOR)
+
+    def _check_heat(self, now_us: int, level: float, temp_c: float) -> None:
+        coolest = min(temp for _, temp in self._hottest)
+        lasted = now_us - self._hottest[0][0] >= SETTLE_US // 2
+        sensor = self.around.sensor
+        failed_for = now_us - self.around.sensor_us
+        if sensor == "none" and failed_for > HEAL_US and lasted:
+            if level > self._limit(coolest) + 0.01:
+                self._broken(now_us, f"at {temp_c:.1f} degC the level is {level:.3f}")
+            if coolest - SENSOR_ERROR_C >= SHUTDOWN_C:
+                self._latched_us = now_us
+            if self._latched_us is not None:
+                if temp_c < RECOVER_C + SENSOR_ERROR_C:
+                    self._latched_us = None
+                elif level > 0.0 and now_us > self._latched_us:
+                    self._broken(now_us, f"lit at {temp_c:.1f} degC after a shutdown")
+        if sensor in ("open", "short") and failed_for > SETTLE_US:
+            most = SAFE if sensor == "open" else 0.0
+            if level > most + 1e-6:
+                self._broken(now_us, f"the sensor is {sensor}, and the level is {level:.3f}")
+
+    def _may_be_lost(self, now_us: int) -> bool:
+        """Whether the light may think that every commander is silent."""
+        heard = self.around.heard_us
+        return bool(self.fallback) and (heard is None or now_us - heard >= LOSS_US - 1_000_000)
+
+    def _check_level(self, now_us: int, level: float) -> None:
+        possible = self.possible()
+        lost = self._may_be_lost(now_us) and self.around.may_be_heard_us > self.around.up_us
+        beacon = self.fallback == "loss-beacon" and lost
+        if level > 0.0 and not beacon:
+            lit = [state for state in possible if state.enable]
+            if not lit:
+                self._broken(now_us, "lit, and nobody has switched it on")
+            elif level > max(state.brightness for state in lit) / 100.0 + 1e-5:
+                self._broken(now_us, f"level {level:.3f} is more than was commanded")
+        if (
+            self.fallback == "loss-off"
+            and level > 0.0
+            and self.around.may_be_heard_us > self.around.up_us
+            and now_us - self.around.may_be_heard_us > LOSS_US + 1_000_000
+        ):
+            self._broken(now_us, "every commander is silent, and the lamp is lit")
+        if level == 0.0 and self._must_be_lit(now_us, possible):
+            self._broken(now_us, "dark, and it was commanded on")
+
+    def _must_be_lit(self, now_us: int, possible: set[Lamp]) -> bool:
+        steady = len(possible) == 1 and now_us - self._steady_us > SETTLE_US
+        if not steady or not self._is_healthy(now_us) or self._may_be_lost(now_us):
+            return False
+        (state,) = possible
+        return (
+            state.enable
+            and state.mode == INTERNAL
+            and state.brightness >= 1.0
+            and (state.period == 0.0 or state.duty in (0.0, 100.0))
+            and self._latched_us is None
+            and max(temp for _, temp in self._hottest) < RECOVER_C - SENSOR_ERROR_C
+        )
+
+    def _check_answers(self, now_us: int) -> None:
+        for one in self.pending:
+            if one.sure and not one.late_told and now_us - one.at_us > ACK_US:
+                clean = one.at_us >= self.around.wire_clean_us and not self.around.wire_faulty
+                undisturbed = self.around.stalled_us is None and (
+                    now_us - self.around.healthy_us > HEAL_US
+                )
+                if clean and undisturbed:
+                    one.late_told = True
+                    self._broken(now_us, f"command {one.command} of {one.sender} is not answered")
+        stalled_us = self.around.stalled_us
+        if stalled_us is not None and now_us - stalled_us > HEAL_US:
+            self.around.stalled_us = None
+            self._broken(now_us, "a thread hangs, and the watchdog has not bitten")
+
+    def edges(self, edges: list[tuple[int, int]]) -> None:
+        """Changes of the level since the last call: [time, ppm]."""
+        for at_us, ppm in edges:
+            self.tally.edges += 1
+            rose = ppm > 0 and self._level == 0
+            fell = ppm == 0 and self._level > 0
+            self._level = ppm
+            if rose or fell:
+                self._edges.append((at_us, 1 if rose else 0))
+                self._check_strobe(at_us)
+
+    def _check_strobe(self, now_us: int) -> None:
+        """Edges of a strobe that has been in force since before the last three of them."""
+        possible = self.possible()
+        if len(possible) != 1 or len(self._edges) < 3:
+            return
+        (state,) = possible
+        recent = list(self._edges)[-3:]
+        begun = recent[0][0]
+        if (
+            begun < self._steady_us + 2 * 10_000_000
+            or not state.enable
+            or state.mode != INTERNAL
+            or state.period == 0.0
+            or not 0.0 < state.duty < 100.0
+            or begun - max(self.around.healthy_us, self.around.sensor_us) < HEAL_US
+            or self._may_be_lost(now_us)
+            or max(temp for _, temp in self._hottest) > RECOVER_C - SENSOR_ERROR_C
+        ):
+            return
+        period_us = recent[2][0] - recent[0][0]
+        wanted_us = state.period * 1e6
+        if abs(period_us - wanted_us) > 1.0:
+            self._broken(now_us, f"a period of {period_us} us, not {wanted_us:.0f}")
+        lit_us = recent[1][0] - recent[0][0] if recent[0][1] else recent[2][0] - recent[1][0]
+        on_us = wanted_us * state.duty / 100.0
+        if abs(lit_us - on_us) > 2.0:
+            self._broken(now_us, f"lit for {lit_us} us, not {on_us:.0f}")
