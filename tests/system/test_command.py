@@ -48,7 +48,7 @@ UNKNOWN_MESSAGE = 1_234_567
 
 def test_ack_names_the_senders_ids(light: Light) -> None:
     light.mav.source = Source(77, 88)
-    light.mav._encoder.srcSystem, light.mav._encoder.srcComponent = 77, 88
+    light.mav.encoder.srcSystem, light.mav.encoder.srcComponent = 77, 88
     ack = light.mav.command_long(ON_OFF, 1)
     assert (ack.target_system, ack.target_component) == (77, 88)
 
@@ -137,7 +137,7 @@ def test_repeated_configure_does_not_restart_the_strobe(light: Light) -> None:
 
 def test_the_same_sequence_number_is_not_taken_for_a_repetition(light: Light) -> None:
     for enable in (1, 0, 1):
-        light.mav._encoder.seq = 7
+        light.mav.encoder.seq = 7
         assert light.mav.command_long(ON_OFF, enable).result == ACCEPTED
         assert light.status().enable == enable
 

@@ -4,6 +4,7 @@ time in lock-step, so nothing sleeps and nothing is missed, or real time."""
 
 from __future__ import annotations
 
+import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -20,10 +21,18 @@ ILLUMINATOR_COMPONENT = 243
 STEP_MIN_US = 1_000
 STEP_MAX_US = 100_000
 HISTORY_MAX = 100_000
+MALFORMED_MAX = 10_000
 # What a timestamp of signed messages counts [µs].
 TIMESTAMP_US = 10
+# 2015-01-01 in Unix time, from which they count [s].
+SIGNING_EPOCH_S = 1_420_070_400
 # A client that has spoken is not silent for longer than this, if keep_alive() is called in time.
 KEEP_ALIVE_US = 15_000_000
+
+
+def signing_time() -> int:
+    """The host's clock as a timestamp of signed messages: units of 10 µs since 2015."""
+    return int((time.time() - SIGNING_EPOCH_S) * 1e6) // TIMESTAMP_US
 
 
 @dataclass(frozen=True)
@@ -60,10 +69,11 @@ class MavlinkConnection:
         self.target = target or Target(1)
         self.inbox: deque[Any] = deque()
         self.history: deque[Any] = deque(maxlen=HISTORY_MAX)
+        self.malformed: list[Any] = []  # pymavlink's BAD_DATA: bytes, and what is wrong with them
         self.version = 2
         self._spoke_us: int | None = None
         self._clock_offset = 0
-        self._encoder = self._new_codec()
+        self.encoder = self._new_codec()
         self._decoder = self._new_codec()
 
     def _new_codec(self) -> Any:
@@ -74,7 +84,7 @@ class MavlinkConnection:
     def sign(self, key: bytes, timestamp: int, link_id: int = 0) -> None:
         """From now on what is sent is signed, from that timestamp on (units of 10 µs since 2015),
         and what comes unsigned or wrongly signed is not received; an empty key: no longer."""
-        for codec in (self._encoder, self._decoder):
+        for codec in (self.encoder, self._decoder):
             codec.signing.secret_key = key or None
             codec.signing.timestamp = timestamp
             codec.signing.link_id = link_id
@@ -84,11 +94,11 @@ class MavlinkConnection:
     def encode(self, message: Any) -> bytes:
         """The next frame that carries `message`: counts the sequence number."""
         self._spoke_us = self.pacer.now_us()
-        signing = self._encoder.signing
+        signing = self.encoder.signing
         now = self._spoke_us // TIMESTAMP_US + self._clock_offset
         signing.timestamp = max(signing.timestamp, now)
-        frame: bytes = message.pack(self._encoder, force_mavlink1=self.version == 1)
-        self._encoder.seq = (self._encoder.seq + 1) % 256
+        frame: bytes = message.pack(self.encoder, force_mavlink1=self.version == 1)
+        self.encoder.seq = (self.encoder.seq + 1) % 256
         return bytes(frame)
 
     def send(self, message: Any) -> None:
@@ -101,6 +111,8 @@ class MavlinkConnection:
             for message in self._decoder.parse_buffer(chunk) or []:
                 if message.get_type() != "BAD_DATA":
                     fresh.append(message)
+                elif len(self.malformed) < MALFORMED_MAX:
+                    self.malformed.append(message)
         self.inbox.extend(fresh)
         self.history.extend(fresh)
         return fresh

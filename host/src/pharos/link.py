@@ -75,6 +75,9 @@ class Port(ABC):
 class Link(Port):
     """One end of a wire. What came lies in `inbox`, in order."""
 
+    # Whether what is sent at once arrives at once and whole (UDP), or is a stream of bytes.
+    is_datagram = False
+
     def __init__(self) -> None:
         super().__init__()
         self.inbox: deque[bytes] = deque()
@@ -121,6 +124,8 @@ class Link(Port):
 
 class UdpLink(Link):
     """UDP. With a `peer` it talks to that one; without, to whoever spoke last (`bind` only)."""
+
+    is_datagram = True
 
     def __init__(
         self, peer: tuple[str, int] | None = None, bind: tuple[str, int] | None = None

@@ -27,6 +27,7 @@ examples:
   pharos shell udp:127.0.0.1:14550                     a prompt
   pharos shell /dev/ttyUSB0,57600 -c 'on; brightness 40'
   pharos shell 'dronecan:socketcan/can0?node=68' --json < commands.txt
+  pharos check udp:127.0.0.1:14550 --html report.html  does it keep to the protocol?
   pharos can nodes socketcan/can0                      who is on the bus
   pharos imc send tcp:127.0.0.1:6443 SetLedBrightness name=lamp value=128
 
@@ -50,6 +51,16 @@ Without -c, commands are read from the terminal, or one line at a time from a pi
 fails ends it. `pharos shell URL -c help` lists the commands.
 
 {CODES}
+"""
+
+CHECK = """\
+examples:
+  pharos check udp:127.0.0.1:14550
+  pharos check serial:/dev/ttyUSB0,57600 --junit check.xml --html check.html
+  pharos check --explain CF-12
+  pharos check udp:127.0.0.1:14550 --only 'CF-*' --skip CF-6 -v
+
+exit codes: 0 no must fails; 1 a must fails; 2 not understood; 3 silent or unreachable
 """
 
 BUS_HELP = "python-can's INTERFACE/CHANNEL; default: pharos-udp, the user-space bus"
@@ -80,13 +91,17 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="pharos",
-        description="Talks to a Pharos light: MAVLink (shell), plain DroneCAN (can), IMC (imc).",
+        description=(
+            "Talks to a Pharos light: MAVLink (shell), plain DroneCAN (can), IMC (imc);\n"
+            "and checks any maker's (check)."
+        ),
         epilog=MAIN,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"pharos {_version()}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     _add_shell(commands)
+    _add_check(commands)
     can = commands.add_parser(
         "can",
         help="look at a CAN bus, or command a light without MAVLink",
@@ -124,6 +139,45 @@ def _add_shell(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help="how long to wait for the light (default: 3)",
     )
     shell.set_defaults(run=_run_shell)
+
+
+def _add_check(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    check = commands.add_parser(
+        "check",
+        help="look whether a light of any maker keeps to the illuminator protocol",
+        description=(
+            "Runs the illuminator protocol's requirements on a light. The lamp is switched on, at\n"
+            "5 % at most, and is off in the end, with its settings as they were."
+        ),
+        epilog=CHECK,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    check.add_argument("url", metavar="URL", nargs="?", help="as for `pharos shell`")
+    check.add_argument(
+        "--only", action="append", default=[], metavar="ID", help="also CF or 'CF-1*'"
+    )
+    check.add_argument(
+        "--skip", action="append", default=[], metavar="ID", help="the same, left out"
+    )
+    check.add_argument("--explain", metavar="ID", help="why, and what is sent and looked at")
+    check.add_argument("--list", action="store_true", help="the requirements")
+    check.add_argument("--markdown", action="store_true", help="--list as a page")
+    check.add_argument("--json", action="store_true", help="one JSON object at the end")
+    check.add_argument("--junit", metavar="FILE", help="write a report for CI")
+    check.add_argument("--html", metavar="FILE", help="write a report for people, one page")
+    check.add_argument("-v", "--verbose", action="store_true", help="all that was sent and seen")
+    check.add_argument("--key-file", metavar="FILE", help="the light's key: 32 bytes, or in hex")
+    check.add_argument(
+        "--target", type=_target, metavar="SYS/COMP", help="which component, if there are several"
+    )
+    check.add_argument(
+        "--timeout",
+        type=_seconds,
+        default=5.0,
+        metavar="S",
+        help="how long to wait for the light (default: 5)",
+    )
+    check.set_defaults(run=_run_check)
 
 
 def _add_bus(parser: argparse.ArgumentParser) -> None:
@@ -303,6 +357,12 @@ def _run_imc(name: str) -> Callable[[argparse.Namespace, Printer], int]:
         return OK
 
     return run
+
+
+def _run_check(args: argparse.Namespace, printer: Printer) -> int:
+    from .check import run_check
+
+    return run_check(args, printer)
 
 
 def _run_shell(args: argparse.Namespace, printer: Printer) -> int:

@@ -1,0 +1,429 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`pharos check` on right lights and on lights with one fault each, in simulated time."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+
+from model_light import ModelLight
+from pharos import LinkError, MavlinkConnection, SilentError, Simulator, Target, UsageError
+from pharos.check import (
+    REQUIREMENTS,
+    Level,
+    Report,
+    as_html,
+    as_junit,
+    as_object,
+    as_page,
+    check,
+    find,
+    selected,
+)
+from pharos.cli import main
+
+# What each fault breaks: the must that names it, and those that cannot hold with it either.
+FAULTS: dict[str, tuple[str, ...]] = {
+    "heartbeat every 4 s": ("HB-1",),
+    "says it is a computer": ("HB-3",),
+    "says version 0": ("HB-7",),
+    "changes its type": ("HB-9", "HB-3"),
+    "lacks its information": ("INF-1", "INF-2", "INF-3", "INF-6"),
+    "serial number fills its field": ("INF-2",),
+    "boot time stays 0": ("INF-3",),
+    "information comes twice": ("INF-6",),
+    "accepts, and sends no status": ("ST-1",),
+    "uptime in seconds": ("ST-3",),
+    "on is 255": ("ST-4",),
+    "bitmask with a fourth bit": ("ST-5",),
+    "reports a mode that it lacks": ("ST-6", "CF-1"),
+    "an undefined error": ("ST-7",),
+    "brightness as a fraction": ("ST-8", "CF-4", "CF-14"),
+    "rounds brightness to tens": ("ST-8", "CF-4", "CF-14"),
+    "range of periods upside down": ("ST-9",),
+    "period in ms": ("ST-9", "CF-6", "CF-14"),
+    "temperature in kelvin": ("ST-10",),
+    "stream is of old settings": ("ST-11",),
+    "acknowledges before it switches": (
+        "SW-1", "SW-2", "SW-4", "SW-5", "CF-13", "CM-10", "CM-12", "CM-13", "WR-14",
+    ),
+    "cannot be switched off": (
+        "SW-2", "SW-5", "CM-8", "CM-9", "CM-10", "WR-8", "WR-9", "WR-12", "WR-14",
+    ),
+    "takes 2 for on": ("SW-3",),
+    "NaN is on": ("SW-3",),
+    "switches though it denies": ("SW-4",),
+    "on switches off": ("SW-5", "CM-12"),
+    "on means full brightness": ("SW-6", "CF-14"),
+    "lacks a mode of its bitmask": ("CF-1",),
+    "takes mode 3": ("CF-2",),
+    "denies 100 %": ("CF-4",),
+    "clamps brightness": ("CF-5",),
+    "denies its longest period": ("CF-6",),
+    "clamps periods": ("CF-7",),
+    "denies a duty cycle of 100 %": ("CF-8",),
+    "clamps the duty cycle": ("CF-9",),
+    "takes over NaN": ("CF-10",),
+    "takes half of it": ("CF-12",),
+    "settings switch it on": ("CF-13",),
+    "rejects the same again": ("CF-15",),
+    "acknowledges twice": ("CM-1",),
+    "is slow now and then": ("CM-2",),
+    "acknowledges to 1/1": ("CM-4", "CM-17"),
+    "accepts unknown commands": ("CM-6",),
+    "is silent about unknown commands": ("CM-6",),
+    "sends before it acknowledges": ("CM-7",),
+    "takes others' components": ("CM-8",),
+    "takes others' systems": ("CM-9",),
+    "does not hear broadcasts": ("CM-10",),
+    "takes no confirmation": ("CM-12",),
+    "ignores COMMAND_INT": ("CM-13",),
+    "does nothing for COMMAND_INT": ("CM-13",),
+    "accepts requests for what it lacks": ("CM-15",),
+    "acknowledges to its first client": ("CM-17",),
+    "ignores intervals": ("IV-2", "IV-8"),
+    "does not stop": ("IV-3", "IV-8"),
+    "has no default rate": ("IV-4",),
+    "takes any negative interval": ("IV-5",),
+    "takes intervals for what it lacks": ("IV-6",),
+    "intervals in ms": ("IV-8",),
+    "answers in MAVLink 1": ("WR-1",),
+    "zeros are not cut off": ("WR-4",),
+    "refuses payloads with zeros": ("WR-5",),
+    "sequence number stays": ("WR-6",),
+    "every third heartbeat is damaged": ("WR-7",),
+    "does not look at checksums": ("WR-8",),
+    "ignores unknown flags": ("WR-9",),
+    "refuses compatibility flags": ("WR-10",),
+    "is deaf after garbage": ("WR-11",),
+    "is deaf after half a frame": ("WR-12", "WR-13"),
+    "takes whole frames only": ("WR-13",),
+    "takes one frame at a time": ("WR-14",),
+    "is deaf after an unknown message": ("WR-15",),
+    "leaves one parameter out": ("PM-2",),
+    "two parameters of one name": ("PM-3", "PM-4"),
+    "mixes names up": ("PM-4",),
+    "counts parameters from 1": ("PM-5",),
+    "tells parameters only when named": ("PM-6",),
+    "tells others' parameters": ("PM-7",),
+    "tells other systems' parameters": ("PM-7",),
+    "sets without a word": ("PM-8",),
+    "knows any name": ("PM-9",),
+    "renames a parameter": ("PM-11",),
+    "has no FTP": (
+        "FT-1", "FT-2", "FT-3", "FT-4", "FT-5", "FT-6", "MD-1", "MD-2", "MD-3", "MD-4",
+    ),
+    "answers with the same number": ("FT-2",),
+    "fails without a reason": ("FT-3",),
+    "fails at unknown opcodes": ("FT-4",),
+    "forgets its answers": ("FT-5",),
+    "has no end of file": ("FT-6",),
+    "keeps sessions open": ("FT-6",),
+    "general file is missing": ("MD-1", "MD-2", "MD-3", "MD-4"),
+    "wrong CRC of the general file": ("MD-2",),
+    "metadata is no JSON": ("MD-3", "MD-4"),
+    "metadata names no file": ("MD-4",),
+}  # fmt: skip
+
+
+def checked(light: ModelLight, *only: str, **options: Any) -> Report:
+    connection = MavlinkConnection(light, light, light.d)
+    connection.target = find(connection, None)
+    return check(connection, selected(only), **options)
+
+
+def failing(report: Report, level: Level) -> list[str]:
+    return [
+        r.requirement.id
+        for r in report.results
+        if r.outcome == "failed" and r.requirement.level == level
+    ]
+
+
+# --- right lights ---------------------------------------------------------------------------------
+def test_a_right_light_passes_all_that_it_offers() -> None:
+    light = ModelLight()
+    report = checked(light)
+    assert (report.broken(), failing(report, Level.SHOULD), report.left) == ([], [], "")
+    assert report.passed
+    skipped = {r.requirement.group for r in report.results if r.outcome == "not offered"}
+    assert skipped == {"GB", "SG"}
+    assert not light.enable
+
+
+def test_a_light_with_one_mode_is_right_too() -> None:
+    assert checked(ModelLight(modes=1)).broken() == []
+
+
+@pytest.mark.parametrize(
+    "wire", ["udpin:127.0.0.1:0", "tcpin:127.0.0.1:0", "pty:{folder}/uart0"], ids=lambda w: w[:3]
+)
+def test_our_light_passes(binary: Path, wire: str) -> None:
+    with Simulator(binary, {"uart0": wire}) as sim:
+        connection = sim.connect("uart0")
+        report = _on(sim, connection)
+    _is_ours(report)
+
+
+def test_our_light_passes_through_the_can_tunnel(binary: Path) -> None:
+    with Simulator(binary, {"can0": "udp:127.255.255.255:{port}"}) as sim:
+        report = _on(sim, sim.connect("can0"))
+    _is_ours(report)
+
+
+def _on(sim: Simulator, connection: MavlinkConnection, **options: Any) -> Report:
+    sim.advance(s=2)
+    connection.target = find(connection, None)
+    report = check(connection, **options)
+    assert sim.outputs()["enable"] == 0
+    return report
+
+
+def _is_ours(report: Report) -> None:
+    assert (report.broken(), report.left) == ([], "")
+    # The native board has no hardware whose version there could be.
+    assert failing(report, Level.SHOULD) == ["INF-4"]
+    groups = {r.requirement.group for r in report.results if r.outcome == "passed"}
+    assert {"PM", "FT", "MD", "GB"} <= groups
+
+
+# --- wrong ones -----------------------------------------------------------------------------------
+@pytest.mark.parametrize("fault", FAULTS)
+def test_each_fault_is_found_by_the_must_that_it_breaks(fault: str) -> None:
+    light = ModelLight({fault})
+    report = checked(light)
+    assert sorted(report.broken()) == sorted(FAULTS[fault])
+    assert fault in light.asked or fault.startswith("metadata")
+    assert light.enable == (fault == "cannot be switched off")
+
+
+def test_each_must_that_a_light_can_break_has_a_fault() -> None:
+    found = {must for broken in FAULTS.values() for must in broken}
+    musts = {r.id for r in REQUIREMENTS if r.level == Level.MUST}
+    assert {must for must in musts - found if must[:2] not in ("GB", "SG")} == {"HB-6"}
+
+
+def test_a_light_that_has_no_id_is_found_out() -> None:
+    """HB-6: it is called 0, so it can only be addressed as everybody."""
+    light = ModelLight()
+    light.codec.srcSystem = 0
+    assert checked(light, "HB").broken() == ["HB-6"]
+
+
+# --- what it leaves behind ------------------------------------------------------------------------
+def test_the_light_has_its_settings_back_and_is_off() -> None:
+    light = ModelLight()
+    light.enable, light.mode = 1, 2
+    light.brightness, light.period, light.duty = 80.0, 0.5, 25.0
+    checked(light)
+    assert (light.enable, light.mode) == (0, 2)
+    assert (light.brightness, light.period, light.duty) == (80.0, 0.5, 25.0)
+
+
+def test_a_light_that_stays_on_is_told_of() -> None:
+    report = checked(ModelLight({"cannot be switched off"}), "SW-1")
+    assert "could not be switched off" in report.left
+    assert not report.passed
+
+
+class Interrupted(ModelLight):
+    """Ctrl-C while the lamp is on."""
+
+    def configure(self, p: list[float]) -> int:
+        if self.enable and not self.asked & {"interrupted"}:
+            self.asked.add("interrupted")
+            raise KeyboardInterrupt
+        return super().configure(p)
+
+
+def test_an_interrupt_leaves_it_off() -> None:
+    light = Interrupted()
+    with pytest.raises(KeyboardInterrupt):
+        checked(light)
+    assert "interrupted" in light.asked
+    assert not light.enable
+
+
+class Brief(ModelLight):
+    """Falls silent for good once it has been switched on."""
+
+    silent = False
+
+    def say(self, message: Any) -> None:
+        if not self.silent:
+            super().say(message)
+
+    def on_off(self, value: float) -> int:
+        self.silent = self.silent or value == 1
+        return super().on_off(value)
+
+
+def test_a_light_that_falls_silent_ends_it_soon() -> None:
+    light = Brief()
+    report = checked(light)
+    assert report.left
+    first = next(i for i, r in enumerate(report.results) if r.outcome == "not run")
+    assert all(r.outcome == "not run" for r in report.results[first:])
+    assert light.now < 60_000_000
+
+
+def test_the_lamp_is_dim_whenever_it_is_on() -> None:
+    brightest = 0.0
+
+    class Watched(ModelLight):
+        def acknowledge(self, *args: Any) -> None:
+            nonlocal brightest
+            if self.enable:
+                brightest = max(brightest, self.brightness)
+            super().acknowledge(*args)
+
+    checked(Watched())
+    assert 0 < brightest <= 5
+
+
+# --- choosing -------------------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("only", "skip", "ids"),
+    [
+        (["sw-1"], [], ["SW-1"]),
+        (["HB-1", "SW-2"], [], ["HB-1", "SW-2"]),
+        (["CF-1?"], ["CF-11", "CF-13"], ["CF-10", "CF-12", "CF-14", "CF-15", "CF-16", "CF-17"]),
+        (["GB"], ["*-1", "*-2"], ["GB-3", "GB-4", "GB-5"]),
+    ],
+)
+def test_requirements_are_chosen(only: list[str], skip: list[str], ids: list[str]) -> None:
+    assert [r.id for r in selected(only, skip)] == ids
+
+
+def test_what_is_no_requirement_is_said() -> None:
+    with pytest.raises(UsageError, match="'XY-1'"):
+        selected(["XY-1"])
+
+
+def test_each_alone_finds_what_it_finds_among_all() -> None:
+    """No requirement leans on another's traces."""
+    for requirement in REQUIREMENTS:
+        assert checked(ModelLight(), requirement.id).broken() == []
+    for fault, broken in FAULTS.items():
+        assert broken[0] in checked(ModelLight({fault}), broken[0]).broken()
+
+
+def test_who_is_not_there_is_said() -> None:
+    light = ModelLight()
+    light.heartbeat_due = light.status_due = 1 << 60
+    connection = MavlinkConnection(light, light, light.d)
+    with pytest.raises(SilentError, match="no illuminator"):
+        find(connection, None)
+    with pytest.raises(SilentError, match="no component 1/7"):
+        find(connection, Target(1, 7))
+
+
+def test_a_link_that_breaks_is_an_error() -> None:
+    class Broken(ModelLight):
+        def _write(self, data: bytes) -> None:
+            if self.enable:
+                raise LinkError("gone")
+            super()._write(data)
+
+    light = Broken()
+    with pytest.raises(LinkError, match="gone"):
+        checked(light)
+
+
+# --- reports --------------------------------------------------------------------------------------
+HOSTILE = "\x1b[2J</pre><script>"
+
+
+class Hostile(ModelLight):
+    def say_information(self) -> None:
+        text = HOSTILE.encode()
+        self.say(
+            self.d.MAVLink_component_information_basic_message(
+                0, 8192, 0, text, b"", text, b"", b""
+            )
+        )
+
+
+@pytest.fixture(scope="module")
+def report() -> Report:
+    return checked(Hostile({"takes 2 for on"}), "INF", "SW", "GB-1")
+
+
+def test_json_has_every_result(report: Report) -> None:
+    fields = as_object(report)
+    assert fields["passed"] is False
+    by_id = {result["id"]: result for result in fields["results"]}
+    assert by_id["SW-3"]["outcome"] == "failed"
+    assert by_id["SW-3"]["level"] == "must"
+    assert "405 (2)" in by_id["SW-3"]["seen"]
+    assert any("→ COMMAND_LONG 405" in line for line in by_id["SW-3"]["log"])
+    assert by_id["GB-1"]["outcome"] == "not offered"
+    assert by_id["SW-1"]["url"].startswith("https://mavlink.io/en/services/illuminator.html")
+
+
+def test_junit_has_musts_as_failures(report: Report) -> None:
+    text = as_junit(report)
+    suite = ElementTree.fromstring(text)
+    failures = [c.get("name") for c in suite.iter("testcase") if c.find("failure") is not None]
+    assert suite.get("tests") == str(len(report.results))
+    assert suite.get("failures") == str(len(failures)) == str(len(report.broken()))
+    assert any(name and name.startswith("SW-3 must") for name in failures)
+    assert "\x1b" not in text
+
+
+def test_html_is_one_safe_page(report: Report) -> None:
+    page = as_html(report)
+    assert "<script>" not in page
+    assert "\x1b" not in page
+    assert "\\x1b[2J&lt;/pre&gt;" in page
+    assert "src=" not in page
+    assert "SW-3" in page
+
+
+# --- the page and the command ---------------------------------------------------------------------
+def test_the_page_is_what_the_code_says() -> None:
+    page = Path(__file__).resolve().parents[2] / "docs" / "check.md"
+    assert page.read_text() == as_page(), "pharos check --list --markdown > docs/check.md"
+
+
+def test_every_requirement_says_why_and_where() -> None:
+    for requirement in REQUIREMENTS:
+        assert len(requirement.explanation) > 20, requirement.id
+        assert requirement.page.partition("#")[0].endswith(".html")
+
+
+def test_explain_and_list_need_no_light(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", "--explain", "cf-12"]) == 0
+    assert capsys.readouterr().out.startswith("CF-12 (must): the light changes nothing")
+    assert main(["check", "--list", "--only", "SW"]) == 0
+    assert "SW-7" in capsys.readouterr().out
+    assert main(["check", "--list", "--json", "--only", "SW-1"]) == 0
+    assert json.loads(capsys.readouterr().out)["id"] == "SW-1"
+    assert main(["check"]) == 2
+    assert main(["check", "--explain", "none"]) == 2
+
+
+@pytest.mark.realtime
+def test_the_command_checks_a_light(
+    real_light: Callable[..., Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    light = real_light("--uart0", "udpin:127.0.0.1:0")
+    reports = ["--html", str(tmp_path / "c.html"), "--junit", str(tmp_path / "c.xml")]
+    assert main(["check", light.url(), "--only", "SW", *reports]) == 0
+    out = capsys.readouterr().out
+    assert "SW-1   must    passed" in out
+    assert "must: 6 passed" in out
+    assert (tmp_path / "c.html").read_text().startswith("<!doctype html>")
+    assert ElementTree.parse(tmp_path / "c.xml").getroot().get("failures") == "0"
+    assert main(["check", light.url(), "--only", "SW-1", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["passed"] is True
+
+
+def test_a_light_that_is_not_there_ends_with_3(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", "udp:127.0.0.1:9", "--timeout", "0.2"]) == 3
+    assert "no illuminator" in capsys.readouterr().err
