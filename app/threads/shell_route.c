@@ -30,8 +30,9 @@ static int cmd_route(const struct shell *sh, size_t argc, char **argv)
 	shell_print(sh, "%-16s%s", "routing", router.on ? "on" : "off (see: param get MAV_ROUTE)");
 	shell_print(sh, "%-16s%u, %u of them of unknown messages", "forwarded", stats->forwarded,
 	            stats->opaque);
-	shell_print(sh, "%-16starget not heard %u, gone in a circle %u, no room %u",
-	            "not forwarded", stats->unreachable, stats->circled, stats->no_room);
+	shell_print(sh, "%-16starget not heard %u, gone in a circle %u, no room %u, too many %u",
+	            "not forwarded", stats->unreachable, stats->circled, stats->no_room,
+	            stats->flooded);
 	for (uint8_t i = 0; i < router.count; i++) {
 		const struct mavlink_route *const route = &router.routes[i];
 		char text[FIXED_TEXT_MAX];

@@ -41,6 +41,7 @@ UNKNOWN_SIGNED = bytes.fromhex(
     "fd 05 01 00 2b 09 01 ef cd ab 01 02 03 04 05 77 66".replace(" ", "")
     + "00112233445566778899aabbcc"
 )
+UNKNOWN_HEAD = bytes.fromhex("34127f")  # message 0x7F1234
 UNKNOWN_LONG = bytes.fromhex("fdff00002c0901efcdab") + bytes(range(255)) + b"\x12\x34"
 
 
@@ -212,6 +213,40 @@ def test_an_echo_goes_round_no_further(network: Network) -> None:
                 network.peers[name].link.send(data)
     assert seen == {"uart0": 0, "uart1": 1, "uart2": 1, "can0": 1}
     assert "gone in a circle 3" in network.shell("route")
+
+
+def test_two_lights_joined_by_two_uarts_fall_silent_after_a_round(
+    start: Callable[..., Simulator],
+) -> None:
+    """33 unverifiable frames of 33 senders, once, into a ring: they end, and so does all else."""
+    wires = {name: f"pty:{{folder}}/{name}" for name in ("uart0", "uart1", "uart2")}
+    lights = [start({**wires, "console": CONSOLE}) for _ in range(2)]
+    ends = [[sim.connect(name, Source(1, 1)).link for name in wires] for sim in lights]
+    for number, sim in enumerate(lights):
+        Shell(sim)("param set MAV_ROUTE 1")
+        Shell(sim)(f"param set MAV_SYSID {101 + number}")
+
+    def carry(seconds: float) -> int:
+        """What either says on the UARTs that join them reaches the other; the bytes of it that
+        are not its own."""
+        carried = 0
+        for _ in range(round(seconds / 0.01)):
+            said = [[b"".join(end.take()) for end in ends[i][1:]] for i in range(2)]
+            for i in range(2):
+                for data, end in zip(said[i], ends[1 - i][1:], strict=True):
+                    carried += data.count(UNKNOWN_HEAD) * 13
+                    if data:
+                        end.send(data)
+            for sim in lights:
+                sim.advance(10_000)
+        return carried
+
+    carry(2)
+    for system in range(1, 34):
+        head = bytes([0xFD, 1, 0, 0, 0, system, 1])
+        ends[0][0].send(head + UNKNOWN_HEAD + bytes([7, 0x55, 0xAA]))
+    assert 0 < carry(1) <= 3 * 33 * 13
+    assert carry(5) == 0
 
 
 def test_a_neighbour_that_moves_is_found_again(network: Network) -> None:

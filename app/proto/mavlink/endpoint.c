@@ -97,6 +97,18 @@ uint8_t mavlink_link_version(const struct mavlink_endpoint *self, uint8_t link)
 	return self->links[link].version == 1 && !mavlink_is_signing(self) ? 1 : 2;
 }
 
+#ifdef CONFIG_PHAROS_ROUTING
+/* Only of one that is admitted does it count. */
+static bool is_trusted(const struct mavlink_endpoint *self, const struct mavlink_frame *frame,
+                       const struct mavlink_target *target)
+{
+	return mavlink_is_signing(self) ||
+	       ((frame->message_id == MAVLINK_MSG_ID_COMMAND_LONG ||
+	         frame->message_id == MAVLINK_MSG_ID_COMMAND_INT) &&
+	        mavlink_is_ours(self, target->system_id, target->component_id));
+}
+#endif
+
 /* Bit per link that a frame goes on to. admitted: it makes a route, with a key as without. */
 static uint8_t forward(struct mavlink_endpoint *self, int64_t now_us, uint8_t link,
                        const struct mavlink_frame *frame, bool admitted)
@@ -110,6 +122,7 @@ static uint8_t forward(struct mavlink_endpoint *self, int64_t now_us, uint8_t li
 			.link = link,
 			.links = self->config.links,
 			.is_ours = mavlink_is_ours(self, target.system_id, target.component_id),
+			.is_trusted = is_trusted(self, frame, &target),
 			.makes_route = admitted,
 		};
 

@@ -70,6 +70,9 @@ int64_t mavlink_streams_due_us(const struct mavlink_endpoint *endpoint);
  */
 bool mavlink_is_relay(const struct mavlink_frame *frame);
 
+/* RADIO_STATUS, RADIO: about the link that they come on, and nobody else's business. */
+bool mavlink_is_link_report(uint32_t message_id);
+
 /* Are these ids exactly those of one of our components? */
 bool mavlink_is_ours(const struct mavlink_endpoint *endpoint, uint8_t system, uint8_t component);
 

@@ -74,9 +74,17 @@
 #define MAVLINK_SIGNING_STREAMS_MAX 16
 #define MAVLINK_SIGNING_STORE_S     50
 
-/* Routing: senders whose link is known, and the silence after which they may have moved. */
+/* Routing: senders whose link is known, the silence after which they may have moved, and after
+ * which it no longer counts that they have commanded. */
 #define MAVLINK_ROUTES_MAX       32
 #define MAVLINK_ROUTE_SILENCE_US 5000000
+#define MAVLINK_ROUTE_TRUST_US   60000000
+
+/* The same bytes within this time have gone in a circle. So many frames are forwarded within it at
+ * most, and of these so many from one link: none is forgotten before. */
+#define MAVLINK_SEEN_US       250000
+#define MAVLINK_SEEN_MAX      CONFIG_PHAROS_ROUTE_FRAMES
+#define MAVLINK_SEEN_LINK_MAX (MAVLINK_SEEN_MAX / 2)
 
 /* FTP: open files, when an idle one may be closed for another, and the longest name of a file. */
 #define MAVLINK_FTP_SESSIONS 4

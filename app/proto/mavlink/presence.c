@@ -16,14 +16,15 @@
 /* ardupilotmega.xml RADIO, what RADIO_STATUS was before; common.xml has left it out. */
 #define MESSAGE_RADIO 166
 
+bool mavlink_is_link_report(uint32_t message_id)
+{
+	return message_id == MAVLINK_MSG_ID_RADIO_STATUS || message_id == MESSAGE_RADIO;
+}
+
 bool mavlink_is_relay(const struct mavlink_frame *frame)
 {
-	switch (frame->message_id) {
-	case MAVLINK_MSG_ID_RADIO_STATUS:
-	case MESSAGE_RADIO:
+	if (mavlink_is_link_report(frame->message_id)) {
 		return true;
-	default:
-		break;
 	}
 	switch (frame->component_id) {
 	case MAV_COMP_ID_TELEMETRY_RADIO:

@@ -194,6 +194,7 @@ ZTEST(mavlink_router, test_whoever_was_on_a_link_that_goes_is_forgotten)
 	mavlink_endpoint_link_down(&endpoint, 1);
 	zassert_equal(command_to(1, 1), 0);
 	zassert_equal(command_to(2, 1), 0x04);
+	now_us += SECOND / 4; /* the same bytes, for a new heartbeat */
 	zassert_equal(heartbeat(3, 1, 1), LINKS & ~8 & ~2, "it may appear elsewhere at once");
 }
 
@@ -226,6 +227,146 @@ ZTEST(mavlink_router, test_noise_taken_for_unknown_messages_drives_nobody_out)
 		pass(2, (uint8_t)(20 + i), 99, &unknown, &payload);
 	}
 	zassert_equal(command_to(1, 1), 0x02, "the ground station has found a place as well");
+}
+
+/* An unverified sender does not drive another out, however many there are. */
+ZTEST(mavlink_router, test_unverified_senders_have_no_room_beyond_the_table)
+{
+	const struct mavlink_kind unknown = {.id = 0xABCDEF, .min_length = 1, .length = 1};
+	const uint8_t payload = 1;
+
+	for (uint8_t i = 0; i < MAVLINK_ROUTES_MAX; i++) {
+		zassert_equal(pass(1, (uint8_t)(20 + i), 99, &unknown, &payload), LINKS & ~2);
+	}
+	zassert_equal(pass(1, 19, 99, &unknown, &payload), 0);
+	zassert_equal(endpoint.router.stats.no_room, 1);
+	now_us = 5 * SECOND;
+	zassert_equal(pass(1, 19, 99, &unknown, &payload), LINKS & ~2, "20/99 has been silent");
+}
+
+/* Strangers, verified or not, never take the place of who has commanded the light. */
+ZTEST(mavlink_router, test_strangers_drive_no_commander_out)
+{
+	const mavlink_command_long_t wire = {
+		.command = 405, .target_system = 255, .target_component = 190};
+
+	zassert_equal(command_to(1, 243), 0);
+	for (unsigned int i = 0; i < 200; i++) {
+		now_us += SECOND / 4;
+		(void)heartbeat(2, (uint8_t)(20 + i), 1);
+	}
+	zassert_equal(pass(3, 1, 1, &command_kind, &wire), 0x01, "it is still known");
+	/* a minute of silence, and it is a sender like any other */
+	now_us += 60 * SECOND;
+	for (unsigned int i = 0; i <= MAVLINK_ROUTES_MAX; i++) {
+		(void)heartbeat(2, (uint8_t)(20 + i), 2);
+	}
+	zassert_equal(pass(3, 1, 1, &command_kind, &wire), 0);
+}
+
+ZTEST(mavlink_router, test_the_same_bytes_go_on_once)
+{
+	zassert_equal(heartbeat(0, 255, 190), LINKS & ~1);
+	zassert_equal(heartbeat(0, 255, 190), 0, "on the same link as well");
+	zassert_equal(endpoint.router.stats.circled, 1);
+	now_us = 250000 - 1;
+	zassert_equal(heartbeat(0, 255, 190), 0);
+	now_us = 250000;
+	zassert_equal(heartbeat(0, 255, 190), LINKS & ~1);
+	/* long after, when the bits of the time have come round */
+	now_us += INT64_C(65536) * 1000 + 1000;
+	zassert_equal(heartbeat(0, 255, 190), LINKS & ~1);
+}
+
+/* One link's flood leaves the others room. */
+ZTEST(mavlink_router, test_how_much_is_forwarded_has_an_end)
+{
+	const struct mavlink_kind unknown = {.id = 0xABCDEF, .min_length = 4, .length = 4};
+	uint32_t forwarded[3] = {0};
+
+	for (uint8_t link = 0; link < 3; link++) {
+		for (uint32_t i = 1; i <= MAVLINK_SEEN_MAX; i++) {
+			forwarded[link] += pass(link, (uint8_t)(20 + link), 99, &unknown, &i) != 0;
+		}
+	}
+	zassert_equal(forwarded[0], MAVLINK_SEEN_MAX / 2);
+	zassert_equal(forwarded[1], MAVLINK_SEEN_MAX / 2);
+	zassert_equal(forwarded[2], 0, "that is all");
+	zassert_equal(endpoint.router.stats.flooded, 2 * MAVLINK_SEEN_MAX);
+	now_us = 250000;
+	zassert_equal(heartbeat(3, 255, 190), LINKS & ~8);
+}
+
+ZTEST(mavlink_router, test_what_a_modem_says_stays_on_its_link)
+{
+	static const struct mavlink_kind status = MAVLINK_KIND(RADIO_STATUS);
+	const struct mavlink_kind radio = {
+		.id = 166, .crc_extra = 21, .min_length = 9, .length = 9};
+	const mavlink_radio_status_t wire = {.rssi = 200};
+
+	zassert_equal(pass(0, 51, 68, &status, &wire), 0);
+	zassert_equal(pass(0, 51, 68, &radio, &wire), 0);
+	zassert_equal(heartbeat(0, 51, 68), LINKS & ~1, "its heartbeat is everyone's");
+}
+
+/*
+ * Two lights joined by two UARTs: links 1 and 2 of each. What comes in on link 0 of the first is
+ * carried round, 2 ms a way, until nobody has anything to carry.
+ */
+static struct mavlink_endpoint ring[2];
+
+struct carried {
+	uint8_t to;
+	uint8_t link;
+	uint8_t length;
+	uint8_t bytes[60];
+};
+
+static struct carried queue[4096];
+
+static uint32_t enqueue(uint32_t count, uint8_t from, const uint8_t *bytes, uint8_t length)
+{
+	for (uint8_t link = 1; link <= 2; link++) {
+		if ((out.forward & 1u << link) != 0) {
+			zassert_true(count < ARRAY_SIZE(queue), "it goes round for ever");
+			queue[count] = (struct carried){
+				.to = (uint8_t)(1 - from), .link = link, .length = length};
+			memcpy(queue[count].bytes, bytes, length);
+			count++;
+		}
+	}
+	return count;
+}
+
+ZTEST(mavlink_router, test_a_ring_of_two_lights_is_silent_after_a_round)
+{
+	const struct mavlink_endpoint_config config = {.system_id = 1, .links = 7, .routing = true};
+	const struct mavlink_kind unknown = {.id = 0x7F1234, .min_length = 1, .length = 1};
+	const uint8_t payload = 1;
+	uint32_t count = 0;
+
+	mavlink_endpoint_init(&ring[0], &config);
+	mavlink_endpoint_init(&ring[1], &config);
+	for (uint8_t system = 1; system <= 33; system++) {
+		const struct mavlink_sender sender = {
+			.version = 2, .system_id = system, .component_id = 1};
+		uint8_t bytes[MAVLINK_FRAME_MAX];
+		const size_t length = mavlink_frame_build(bytes, &sender, &unknown, &payload);
+
+		mavlink_endpoint_receive(&ring[0], now_us, 0, bytes, length, &out);
+		count = enqueue(count, 0, bytes, (uint8_t)length);
+	}
+	zassert_equal(count, 2 * 32, "as many as have room");
+	for (uint32_t i = 0; i < count; i++) {
+		const struct carried *const frame = &queue[i];
+
+		now_us += 2000;
+		mavlink_endpoint_receive(&ring[frame->to], now_us, frame->link, frame->bytes,
+		                         frame->length, &out);
+		count = enqueue(count, frame->to, frame->bytes, frame->length);
+	}
+	/* the first copy of each goes back on the other UART, and there it ends */
+	zassert_equal(count, 2 * 32 + 32);
 }
 
 ZTEST(mavlink_router, test_signed_frames_of_others_go_on_whatever_their_key)
