@@ -100,7 +100,7 @@ static enum illuminator_result decide_values(const struct illuminator *self,
 static enum illuminator_result decide_enable(const struct illuminator *self, bool enable,
                                              struct illuminator_settings *next)
 {
-	if (enable && (self->unpowered || self->thermal.state == THERMAL_STATE_SHUTDOWN)) {
+	if (enable && (self->unpowered || !thermal_allows_light(&self->thermal))) {
 		return ILLUMINATOR_FAILED;
 	}
 	next->enable = enable;

@@ -79,7 +79,11 @@
 	X(THR_MISS_MS, THERMAL, "ms", 100, 60000, CONFIG_PHAROS_THERMAL_SENSOR_MISSING_MS, 0,      \
 	  "Samples may stay away so long")                                                         \
 	X(THR_GOOD_N, THERMAL, "", 1, 1000, CONFIG_PHAROS_THERMAL_SENSOR_GOOD_SAMPLES, 0,          \
-	  "Good samples in a row that heal a sensor")
+	  "Good samples in a row that heal a sensor")                                              \
+	X(THR_HOT, THERMAL, "ppm", 0, 1000000, CONFIG_PHAROS_THERMAL_HOT_PPM, 0,                   \
+	  "Limit while a failed sensor says heat, at most THR_SAFE; 0 shuts down")                 \
+	X(THR_FIRST_MS, THERMAL, "ms", 0, 3600000, CONFIG_PHAROS_THERMAL_FIRST_MS, 0,              \
+	  "Without a first sample THR_SAFE is allowed after this, 0 never")
 
 /* External sync. */
 #define PARAMS_SYNC(X)                                                                             \

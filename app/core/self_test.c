@@ -19,11 +19,11 @@ static enum self_test_state defect(const struct self_test *self, const struct il
 	if (light->unpowered) {
 		return SELF_TEST_NO_POWER;
 	}
-	if (light->thermal.state == THERMAL_STATE_SHUTDOWN) {
-		return SELF_TEST_TOO_HOT;
-	}
 	if (light->thermal.sensor != THERMAL_SENSOR_OK) {
 		return SELF_TEST_SENSOR_FAILED;
+	}
+	if (light->thermal.state == THERMAL_STATE_SHUTDOWN) {
+		return SELF_TEST_TOO_HOT;
 	}
 	return self->driver_fault ? SELF_TEST_DRIVER_FAILED : SELF_TEST_NONE;
 }

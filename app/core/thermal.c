@@ -7,6 +7,9 @@
 /* Longer gaps count as this long: keeps rate and slew within 64 bits, and is hours of slack. */
 #define GAP_MAX_US ((int64_t)1000 * US_PER_S)
 
+/* Noise averages out in so long, and a lamp that warms up is seen. */
+#define LAG_US 2000000
+
 _Static_assert((uint64_t)GAP_MAX_US * 4000000000u < (uint64_t)INT64_MAX, "a rate times a gap fits");
 
 static void assert_config(const struct thermal_config *c)
@@ -19,7 +22,7 @@ static void assert_config(const struct thermal_config *c)
 	PHAROS_ASSERT(c->recover_mdegc >= TEMP_FLOOR_MDEGC);
 	PHAROS_ASSERT(c->hysteresis_mdegc >= 0 && c->hysteresis_mdegc <= TEMP_CEILING_MDEGC);
 	PHAROS_ASSERT(c->noise_mdegc >= 0 && c->noise_mdegc <= TEMP_CEILING_MDEGC);
-	PHAROS_ASSERT(c->floor_ppm <= PPM_ONE && c->safe_ppm <= PPM_ONE);
+	PHAROS_ASSERT(c->floor_ppm <= PPM_ONE && c->safe_ppm <= PPM_ONE && c->hot_ppm <= PPM_ONE);
 	PHAROS_ASSERT(c->max_rate_mdegc_per_s > 0 && c->max_rate_mdegc_per_s <= 4000000000u);
 	PHAROS_ASSERT(c->slew_ppm_per_s > 0 && c->slew_ppm_per_s <= 4000000000u);
 	PHAROS_ASSERT(c->stuck_us > 0 && c->missing_us > 0 && c->good_samples > 0);
@@ -31,7 +34,8 @@ void thermal_init(struct thermal *self, int64_t now_us, const struct thermal_con
 	assert_config(config);
 	*self = (struct thermal){
 		.config = *config,
-		.report = {.sensor = THERMAL_SENSOR_WAITING, .limit_ppm = config->safe_ppm},
+		.report = {.sensor = THERMAL_SENSOR_WAITING},
+		.start_us = now_us,
 		.sample_us = now_us,
 		.slewed_us = now_us,
 		.now_us = now_us,
@@ -115,6 +119,46 @@ static void remember(struct thermal *self, int64_t now_us, const struct thermal_
 	self->previous_mdegc = sample->temp_mdegc;
 	self->previous_raw = sample->raw;
 	self->plausible_us = now_us;
+}
+
+static void follow_trend(struct thermal *self, int64_t now_us, int32_t temp_mdegc)
+{
+	const int64_t gap_us = bounded_gap(self->followed_us, now_us);
+	const int64_t change_mdegc = (int64_t)temp_mdegc - self->slow_mdegc;
+
+	self->slow_mdegc += (int32_t)(change_mdegc * gap_us / (gap_us + LAG_US));
+	self->followed_us = now_us;
+}
+
+/* The last good samples were on the way to a shutdown. */
+static bool was_heating(const struct thermal *self)
+{
+	const int64_t trend_mdegc = (int64_t)self->report.temp_mdegc - self->slow_mdegc;
+
+	return self->report.temp_valid &&
+	       self->report.temp_mdegc + trend_mdegc * (THERMAL_TREND_US / LAG_US) >=
+	               self->config.shutdown_mdegc;
+}
+
+/* A bad sample that is heat by itself. */
+static bool reads_hot(const struct thermal *self, enum thermal_fault fault,
+                      const struct thermal_sample *sample)
+{
+	switch (fault) {
+	case THERMAL_FAULT_SHORT:
+		return true;
+	case THERMAL_FAULT_RANGE:
+		return sample->temp_mdegc > self->config.max_mdegc;
+	case THERMAL_FAULT_RATE:
+		return sample->temp_mdegc >= self->config.shutdown_mdegc;
+	case THERMAL_FAULT_NONE:
+	case THERMAL_FAULT_OPEN:
+	case THERMAL_FAULT_STUCK:
+	case THERMAL_FAULT_MISSING:
+		return false;
+	}
+	PHAROS_ASSERT(false);
+	return true;
 }
 
 /* The heat machine, for a temperature that can be believed. */
@@ -241,11 +285,31 @@ static void enter(struct thermal *self, enum thermal_state state, enum thermal_s
 	report->temp_mdegc = report->temp_valid ? self->previous_mdegc : 0;
 }
 
-static void fail(struct thermal *self, int64_t now_us, enum thermal_fault fault)
+/* What a failed sensor allows at most. */
+static uint32_t failed_ppm(const struct thermal *self, int64_t now_us)
+{
+	const struct thermal_config *const config = &self->config;
+	const bool late = config->first_us > 0 && now_us - self->start_us >= config->first_us;
+
+	if (self->report.state == THERMAL_STATE_SHUTDOWN || (!self->has_previous && !late)) {
+		return 0;
+	}
+	return (self->hot && config->hot_ppm < config->safe_ppm) ? config->hot_ppm
+	                                                         : config->safe_ppm;
+}
+
+static void fail(struct thermal *self, int64_t now_us, enum thermal_fault fault, bool hot)
 {
 	self->good_in_a_row = 0;
-	enter(self, self->report.state, THERMAL_SENSOR_FAILED, fault);
-	fall_to(self, now_us, self->config.safe_ppm);
+	self->hot = self->hot || hot || was_heating(self);
+	enter(self,
+	      (self->hot && self->config.hot_ppm == 0) ? THERMAL_STATE_SHUTDOWN
+	                                               : self->report.state,
+	      THERMAL_SENSOR_FAILED, fault);
+	if (!self->has_previous) {
+		self->report.limit_ppm = failed_ppm(self, now_us);
+	}
+	fall_to(self, now_us, failed_ppm(self, now_us));
 }
 
 static void take_good(struct thermal *self, int64_t now_us, int32_t temp_mdegc)
@@ -256,17 +320,27 @@ static void take_good(struct thermal *self, int64_t now_us, int32_t temp_mdegc)
 	const enum thermal_sensor sensor =
 		sensor_next(&self->config, before, THERMAL_FAULT_NONE, self->good_in_a_row);
 	enum thermal_state state = heat_next(&self->config, self->report.state, temp_mdegc);
-	const uint32_t target_ppm = derated_ppm(&self->config, state, temp_mdegc);
 
 	if (sensor == THERMAL_SENSOR_FAILED) {
 		/* Not believed yet: it may make things darker, never brighter. */
 		state = (state > self->report.state) ? state : self->report.state;
 		enter(self, state, sensor, THERMAL_FAULT_NONE);
-		fall_to(self, now_us,
-		        (target_ppm < self->config.safe_ppm) ? target_ppm : self->config.safe_ppm);
+		const uint32_t allowed_ppm = failed_ppm(self, now_us);
+		const uint32_t target_ppm = derated_ppm(&self->config, state, temp_mdegc);
+
+		fall_to(self, now_us, (target_ppm < allowed_ppm) ? target_ppm : allowed_ppm);
 		return;
 	}
+	const uint32_t target_ppm = derated_ppm(&self->config, state, temp_mdegc);
+
 	enter(self, state, sensor, THERMAL_FAULT_NONE);
+	self->hot = false;
+	if (before == THERMAL_SENSOR_OK) {
+		follow_trend(self, now_us, temp_mdegc);
+	} else {
+		self->slow_mdegc = temp_mdegc;
+		self->followed_us = now_us;
+	}
 	if (before == THERMAL_SENSOR_WAITING) {
 		self->report.limit_ppm = target_ppm;
 		self->slewed_us = now_us;
@@ -282,17 +356,8 @@ static bool is_missing(const struct thermal *self, int64_t now_us)
 	return now_us - self->sample_us > self->config.missing_us;
 }
 
-struct thermal_report thermal_step(struct thermal *self, int64_t now_us,
-                                   const struct thermal_sample *sample)
+static void take(struct thermal *self, int64_t now_us, const struct thermal_sample *sample)
 {
-	PHAROS_ASSERT(now_us >= self->now_us && now_us <= TIME_MAX_US);
-	self->now_us = now_us;
-	if (is_missing(self, now_us)) {
-		fail(self, now_us, THERMAL_FAULT_MISSING);
-	}
-	if (sample == NULL) {
-		return self->report;
-	}
 	const enum thermal_fault fault = judge(self, now_us, sample);
 
 	self->stats.samples++;
@@ -301,9 +366,25 @@ struct thermal_report thermal_step(struct thermal *self, int64_t now_us,
 		take_good(self, now_us, sample->temp_mdegc);
 	} else {
 		self->stats.bad_samples++;
-		fail(self, now_us, fault);
+		fail(self, now_us, fault, reads_hot(self, fault, sample));
 	}
-	return self->report;
+}
+
+struct thermal_report thermal_step(struct thermal *self, int64_t now_us,
+                                   const struct thermal_sample *sample)
+{
+	struct thermal_report *const report = &self->report;
+
+	PHAROS_ASSERT(now_us >= self->now_us && now_us <= TIME_MAX_US);
+	self->now_us = now_us;
+	if (is_missing(self, now_us)) {
+		fail(self, now_us, THERMAL_FAULT_MISSING, false);
+	}
+	if (sample != NULL) {
+		take(self, now_us, sample);
+	}
+	report->dark = report->sensor == THERMAL_SENSOR_FAILED && report->limit_ppm == 0;
+	return *report;
 }
 
 int64_t thermal_deadline_us(const struct thermal *self)

@@ -149,7 +149,11 @@ def test_thermistor_failure_limits_the_lamp_and_is_seen(udp_light: Light, kind: 
     else:
         _until_flag(udp_light, THERMISTOR_FAILURE, seconds=600)
     assert _flags(udp_light) & THERMISTOR_FAILURE
-    assert 0 < udp_light.level_ppm() < FULL_PPM
+    if kind == "short":  # the hot end of an NTC
+        assert _flags(udp_light) & OVER_TEMPERATURE
+        assert udp_light.level_ppm() == 0
+    else:
+        assert 0 < udp_light.level_ppm() < FULL_PPM
     udp_light.sim.advance(s=5)
     udp_light.mav.drain()
     said = [t.lower() for t in texts(list(udp_light.mav.history))]

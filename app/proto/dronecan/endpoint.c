@@ -69,8 +69,9 @@ void dronecan_endpoint_report(struct dronecan_endpoint *self, int64_t now_us,
 {
 	const struct thermal_report *thermal = &illuminator->thermal;
 	const struct dronecan_node_condition condition = {
-		.health = (thermal->limit_ppm == 0) ? DRONECAN_NODE_STATUS_HEALTH_ERROR
-	                                            : DRONECAN_NODE_STATUS_HEALTH_OK,
+		.health = (thermal->limit_ppm == 0 || thermal->dark)
+	                          ? DRONECAN_NODE_STATUS_HEALTH_ERROR
+	                          : DRONECAN_NODE_STATUS_HEALTH_OK,
 		.mode = self->firmware.state == DRONECAN_FIRMWARE_IDLE
 	                        ? DRONECAN_NODE_STATUS_MODE_OPERATIONAL
 	                        : DRONECAN_NODE_STATUS_MODE_SOFTWARE_UPDATE,

@@ -75,6 +75,8 @@ void imc_entities_report(struct imc_entities *self, const struct illuminator *il
 	report_thermal(self, &illuminator->thermal);
 	if ((flags & THERMAL_FLAG_SHUTDOWN) != 0) {
 		imc_entities_set(self, IMC_ENTITY_LAMP, IMC_ENTITY_STATE_ERROR, "over temperature");
+	} else if (illuminator->thermal.dark) {
+		imc_entities_set(self, IMC_ENTITY_LAMP, IMC_ENTITY_STATE_ERROR, "no light allowed");
 	} else if ((flags & THERMAL_FLAG_THERMISTOR) != 0) {
 		imc_entities_set(self, IMC_ENTITY_LAMP, IMC_ENTITY_STATE_FAULT,
 		                 "limited, temperature unknown");

@@ -439,8 +439,8 @@ static uint8_t system_status(const void *service)
 {
 	const struct mavlink_illuminator *const self = service;
 
-	return self->illuminator->thermal.state == THERMAL_STATE_SHUTDOWN ? MAV_STATE_CRITICAL
-	                                                                  : MAV_STATE_ACTIVE;
+	return thermal_allows_light(&self->illuminator->thermal) ? MAV_STATE_ACTIVE
+	                                                         : MAV_STATE_CRITICAL;
 }
 
 static bool step(const struct mavlink_context *context)

@@ -26,6 +26,58 @@ static void assert_failed(enum thermal_fault fault)
 	zassert_equal(report->flags, THERMAL_FLAG_THERMISTOR);
 	zassert_equal(report->limit_ppm, 100000);
 	zassert_false(report->temp_valid);
+	zassert_true(thermal_allows_light(report));
+}
+
+/* Failed, and no light: before the first sample in range. */
+static void assert_no_light(enum thermal_fault fault)
+{
+	const struct thermal_report *report = &rig.thermal.report;
+
+	zassert_equal(report->sensor, THERMAL_SENSOR_FAILED);
+	zassert_equal(report->fault, fault);
+	zassert_equal(report->flags, THERMAL_FLAG_THERMISTOR);
+	zassert_equal(report->limit_ppm, 0);
+	zassert_false(thermal_allows_light(report));
+}
+
+/* The same, and it is heat. */
+static void assert_heat(enum thermal_fault fault)
+{
+	const struct thermal_report *report = &rig.thermal.report;
+
+	zassert_equal(report->sensor, THERMAL_SENSOR_FAILED);
+	zassert_equal(report->fault, fault);
+	zassert_equal(report->state, THERMAL_STATE_SHUTDOWN);
+	zassert_equal(report->flags, THERMAL_FLAG_THERMISTOR | THERMAL_FLAG_SHUTDOWN);
+	zassert_equal(report->limit_ppm, 0);
+	zassert_false(thermal_allows_light(report));
+}
+
+static void assert_failed_while(uint32_t flags, enum thermal_fault fault)
+{
+	const struct thermal_report *report = &rig.thermal.report;
+
+	zassert_equal(report->sensor, THERMAL_SENSOR_FAILED);
+	zassert_equal(report->fault, fault);
+	zassert_equal(report->flags, flags | THERMAL_FLAG_THERMISTOR);
+	zassert_equal(report->limit_ppm, 100000);
+}
+
+static void assert_ok_but_waiting(void)
+{
+	zassert_equal(rig.thermal.report.sensor, THERMAL_SENSOR_WAITING);
+	zassert_equal(rig.thermal.report.limit_ppm, 0);
+	zassert_true(thermal_allows_light(&rig.thermal.report));
+}
+
+/* By 0.5 degC a sample, which is 5 degC/s. */
+static void warm_up(int32_t from_mdegc, int32_t to_mdegc)
+{
+	rig_start(&rig);
+	for (int32_t mdegc = from_mdegc; mdegc <= to_mdegc; mdegc += 500) {
+		rig_temp(&rig, mdegc);
+	}
 }
 
 static void assert_ok(void)
@@ -41,17 +93,136 @@ ZTEST(core_thermal_sensor, test_open_limits_with_the_very_sample)
 	assert_failed(THERMAL_FAULT_OPEN);
 }
 
-ZTEST(core_thermal_sensor, test_short_limits_with_the_very_sample)
+/* An NTC's resistance falls as it heats: a short is its hot end. */
+ZTEST(core_thermal_sensor, test_short_is_heat_with_the_very_sample)
 {
 	rig_sample(&rig, THERMAL_SAMPLE_SHORT, 0);
-	assert_failed(THERMAL_FAULT_SHORT);
+	assert_heat(THERMAL_FAULT_SHORT);
+	zassert_equal(rig.thermal.stats.shutdowns, 1);
+	rig_sample(&rig, THERMAL_SAMPLE_OPEN, 0);
+	assert_heat(THERMAL_FAULT_OPEN);
+	for (int i = 0; i < 3; i++) {
+		zassert_equal(rig_temp(&rig, 25000).limit_ppm, i < 2 ? 0 : 50000);
+	}
+	assert_ok();
 }
 
 ZTEST(core_thermal_sensor, test_first_sample_ever_may_be_the_failure)
 {
 	rig_start(&rig);
 	rig_sample(&rig, THERMAL_SAMPLE_OPEN, 0);
+	assert_no_light(THERMAL_FAULT_OPEN);
+	rig_start(&rig);
+	rig_sample(&rig, THERMAL_SAMPLE_SHORT, 0);
+	assert_heat(THERMAL_FAULT_SHORT);
+}
+
+/* 0.5 degC below what a shutdown would be, and 0.5 above, by the trend of 5 degC/s. */
+ZTEST(core_thermal_sensor, test_sensor_that_went_hotter_until_it_failed_is_heat)
+{
+	warm_up(25000, 49500);
+	rig_sample(&rig, THERMAL_SAMPLE_OPEN, 0);
+	assert_heat(THERMAL_FAULT_OPEN);
+	warm_up(25000, 49500);
+	rig.now_us += 600000;
+	thermal_step(&rig.thermal, rig.now_us, NULL);
+	assert_heat(THERMAL_FAULT_MISSING);
+	warm_up(5000, 29500);
+	rig_sample(&rig, THERMAL_SAMPLE_OPEN, 0);
 	assert_failed(THERMAL_FAULT_OPEN);
+}
+
+ZTEST(core_thermal_sensor, test_hot_sensor_that_fails_is_no_heat_when_it_did_not_get_hotter)
+{
+	warm_up(60000, 84500);
+	for (int i = 0; i < 200; i++) {
+		rig_temp(&rig, 84500);
+	}
+	rig_sample(&rig, THERMAL_SAMPLE_OPEN, 0);
+	assert_failed_while(THERMAL_FLAG_THROTTLING, THERMAL_FAULT_OPEN);
+}
+
+ZTEST(core_thermal_sensor, test_trend_begins_anew_after_a_failure)
+{
+	warm_up(25000, 40000);
+	rig_sample(&rig, THERMAL_SAMPLE_OPEN, 0);
+	for (int i = 0; i < 3; i++) {
+		rig_temp(&rig, 40000);
+	}
+	assert_ok();
+	rig_sample(&rig, THERMAL_SAMPLE_OPEN, 0);
+	assert_failed(THERMAL_FAULT_OPEN);
+}
+
+ZTEST(core_thermal_sensor, test_implausible_heat_is_heat)
+{
+	rig_temp(&rig, 89999);
+	assert_failed(THERMAL_FAULT_RATE);
+	rig_start(&rig);
+	rig_temp(&rig, 25000);
+	rig_temp(&rig, 90000);
+	assert_heat(THERMAL_FAULT_RATE);
+}
+
+ZTEST(core_thermal_sensor, test_heat_of_a_failed_sensor_may_allow_a_level)
+{
+	struct thermal_config config = thermal_defaults;
+
+	config.hot_ppm = 30000;
+	thermal_configure(&rig.thermal, &config);
+	zassert_equal(rig_sample(&rig, THERMAL_SAMPLE_SHORT, 0).limit_ppm, 30000);
+	zassert_equal(rig.thermal.report.flags, THERMAL_FLAG_THERMISTOR);
+	zassert_true(thermal_allows_light(&rig.thermal.report));
+	zassert_equal(rig_sample(&rig, THERMAL_SAMPLE_OPEN, 0).limit_ppm, 30000, "still hot");
+	for (int i = 0; i < 12; i++) {
+		rig_temp(&rig, 25000);
+	}
+	assert_ok();
+	zassert_equal(rig_sample(&rig, THERMAL_SAMPLE_OPEN, 0).limit_ppm, 100000, "healed since");
+	config.hot_ppm = 1000000;
+	thermal_configure(&rig.thermal, &config);
+	zassert_equal(rig_sample(&rig, THERMAL_SAMPLE_SHORT, 0).limit_ppm, 100000, "at most safe");
+	/* and never before the first sample */
+	rig_start(&rig);
+	thermal_configure(&rig.thermal, &config);
+	rig_sample(&rig, THERMAL_SAMPLE_SHORT, 0);
+	assert_no_light(THERMAL_FAULT_SHORT);
+}
+
+ZTEST(core_thermal_sensor, test_without_a_first_sample_the_safe_level_may_be_allowed)
+{
+	struct thermal_config config = thermal_defaults;
+
+	config.first_us = 2000000;
+	rig_start(&rig);
+	thermal_configure(&rig.thermal, &config);
+	thermal_step(&rig.thermal, rig.now_us + 1999999, NULL);
+	assert_no_light(THERMAL_FAULT_MISSING);
+	thermal_step(&rig.thermal, rig.now_us + 2000000, NULL);
+	assert_failed(THERMAL_FAULT_MISSING);
+	rig_start(&rig);
+	thermal_configure(&rig.thermal, &config);
+	for (int i = 0; i < 19; i++) {
+		rig_sample(&rig, THERMAL_SAMPLE_OPEN, 0);
+		assert_no_light(THERMAL_FAULT_OPEN);
+	}
+	rig_sample(&rig, THERMAL_SAMPLE_OPEN, 0);
+	assert_failed(THERMAL_FAULT_OPEN);
+	rig_sample(&rig, THERMAL_SAMPLE_SHORT, 0);
+	assert_heat(THERMAL_FAULT_SHORT);
+}
+
+/* Late, and then it takes good samples in a row, as any sensor that has failed. */
+ZTEST(core_thermal_sensor, test_late_first_sample_heals)
+{
+	rig_start(&rig);
+	rig.now_us += 600000;
+	thermal_step(&rig.thermal, rig.now_us, NULL);
+	assert_no_light(THERMAL_FAULT_MISSING);
+	zassert_equal(rig_temp(&rig, 25000).limit_ppm, 0);
+	zassert_equal(rig_temp(&rig, 25000).limit_ppm, 0);
+	zassert_equal(rig_temp(&rig, 25000).limit_ppm, 50000);
+	assert_ok();
 }
 
 ZTEST(core_thermal_sensor, test_temperature_out_of_the_physical_range)
@@ -61,13 +232,21 @@ ZTEST(core_thermal_sensor, test_temperature_out_of_the_physical_range)
 	assert_ok();
 	rig_start(&rig);
 	rig_temp(&rig, -50001);
-	assert_failed(THERMAL_FAULT_RANGE);
-	rig_start(&rig);
-	rig_temp(&rig, 150001);
-	assert_failed(THERMAL_FAULT_RANGE);
+	assert_no_light(THERMAL_FAULT_RANGE);
 	rig_start(&rig);
 	rig_temp(&rig, INT32_MIN);
+	assert_no_light(THERMAL_FAULT_RANGE);
+	rig_start(&rig);
+	rig_temp(&rig, -50000);
+	rig_temp(&rig, -50001);
 	assert_failed(THERMAL_FAULT_RANGE);
+	/* the hot end is heat, also as the first sample: a reset amid a fire */
+	rig_start(&rig);
+	rig_temp(&rig, 150001);
+	assert_heat(THERMAL_FAULT_RANGE);
+	rig_start(&rig);
+	rig_temp(&rig, INT32_MAX);
+	assert_heat(THERMAL_FAULT_RANGE);
 }
 
 /* 20 °C/s for 100 ms is 2 °C, and 1 °C of noise. */
@@ -152,8 +331,10 @@ ZTEST(core_thermal_sensor, test_missing_samples_are_a_failure)
 ZTEST(core_thermal_sensor, test_no_sample_ever_is_a_failure)
 {
 	rig_start(&rig);
+	thermal_step(&rig.thermal, 1500000, NULL);
+	assert_ok_but_waiting();
 	thermal_step(&rig.thermal, 1500001, NULL);
-	assert_failed(THERMAL_FAULT_MISSING);
+	assert_no_light(THERMAL_FAULT_MISSING);
 }
 
 ZTEST(core_thermal_sensor, test_sample_after_a_gap_is_the_first_of_those_that_heal)
@@ -173,8 +354,8 @@ ZTEST(core_thermal_sensor, test_heals_only_by_good_samples_in_a_row)
 	for (int i = 0; i < 20; i++) {
 		rig_temp(&rig, 25000);
 		rig_temp(&rig, 25000);
-		assert_failed(i == 0 ? THERMAL_FAULT_OPEN : THERMAL_FAULT_SHORT);
-		rig_sample(&rig, THERMAL_SAMPLE_SHORT, 0);
+		assert_failed(i == 0 ? THERMAL_FAULT_OPEN : THERMAL_FAULT_RANGE);
+		rig_temp(&rig, -50001);
 	}
 	rig_temp(&rig, 25000);
 	rig_temp(&rig, 25000);
@@ -198,7 +379,11 @@ ZTEST(core_thermal_sensor, test_failure_never_makes_the_lamp_brighter)
 
 	config.floor_ppm = 0;
 	thermal_configure(&rig.thermal, &config);
-	zassert_equal(rig_go(&rig, 89000).limit_ppm, 50000);
+	rig_go(&rig, 89000);
+	for (int i = 0; i < 200; i++) {
+		rig_temp(&rig, 89000);
+	}
+	zassert_equal(rig.thermal.report.limit_ppm, 50000);
 	zassert_equal(rig_sample(&rig, THERMAL_SAMPLE_OPEN, 0).limit_ppm, 50000);
 	zassert_equal(rig_sample(&rig, THERMAL_SAMPLE_OPEN, 0).limit_ppm, 50000);
 }

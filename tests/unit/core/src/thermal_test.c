@@ -19,11 +19,12 @@ static void before(void *fixture)
 
 ZTEST_SUITE(core_thermal, NULL, NULL, before, NULL, NULL);
 
-ZTEST(core_thermal, test_before_the_first_sample_the_limit_is_safe)
+ZTEST(core_thermal, test_before_the_first_sample_there_is_no_light)
 {
-	zassert_equal(rig.thermal.report.limit_ppm, 100000);
+	zassert_equal(rig.thermal.report.limit_ppm, 0);
 	zassert_equal(rig.thermal.report.flags, 0);
 	zassert_false(rig.thermal.report.temp_valid);
+	zassert_true(thermal_allows_light(&rig.thermal.report), "it may be switched on");
 }
 
 ZTEST(core_thermal, test_first_good_sample_sets_the_limit_outright)
