@@ -3,7 +3,9 @@
 
 #include <zephyr/device.h>
 #include <zephyr/drivers/adc.h>
+#include <zephyr/kernel.h>
 
+#include "devices/fault.h"
 #include "host/clock.h"
 #include "models/board.h"
 
@@ -11,7 +13,15 @@
 #define RESOLUTION_MAX 16
 
 struct adc_native_data {
+	const struct device *dev;
 	uint32_t configured; /* channels */
+	/* a request of Zephyr's adc_context: one that is not answered is in the way of the next */
+	struct k_sem idle;
+	struct k_sem done;
+	struct k_timer timer;
+	struct k_poll_signal *signal; /* NULL: adc_read() waits */
+	struct adc_sequence sequence;
+	int result;
 };
 
 static int adc_native_channel_setup(const struct device *dev, const struct adc_channel_cfg *cfg)
@@ -45,7 +55,7 @@ static int check(const struct adc_native_data *data, const struct adc_sequence *
 }
 
 /* Conversions take no time here: in virtual time no time passes while code runs. */
-static int adc_native_read(const struct device *dev, const struct adc_sequence *sequence)
+static int convert(const struct device *dev, const struct adc_sequence *sequence)
 {
 	const unsigned int rounds =
 		1u + (sequence->options != NULL ? sequence->options->extra_samplings : 0u);
@@ -65,14 +75,82 @@ static int adc_native_read(const struct device *dev, const struct adc_sequence *
 	return rc;
 }
 
+/* The end of a request: only then the next one begins. */
+static void finish(struct adc_native_data *data, int rc)
+{
+	struct k_poll_signal *const signal = data->signal;
+
+	data->result = rc;
+	k_sem_give(&data->idle);
+	if (signal != NULL) {
+		k_poll_signal_raise(signal, rc);
+	} else {
+		k_sem_give(&data->done);
+	}
+}
+
+static void late(struct k_timer *timer)
+{
+	struct adc_native_data *const data = CONTAINER_OF(timer, struct adc_native_data, timer);
+
+	finish(data, convert(data->dev, &data->sequence));
+}
+
+static void begin(const struct device *dev, const struct adc_sequence *sequence,
+                  struct k_poll_signal *signal)
+{
+	const struct board_fault *const fault = fault_of(BOARD_CHIP_ADC);
+	struct adc_native_data *const data = dev->data;
+
+	k_sem_take(&data->idle, K_FOREVER);
+	data->signal = signal;
+	switch (fault->kind) {
+	case BOARD_FAULT_NONE:
+		finish(data, convert(dev, sequence));
+		break;
+	case BOARD_FAULT_ERROR:
+		finish(data, -EIO);
+		break;
+	case BOARD_FAULT_LATE:
+		data->sequence = *sequence;
+		k_timer_start(&data->timer, K_USEC(fault->delay_us), K_NO_WAIT);
+		break;
+	case BOARD_FAULT_NEVER:
+		break;
+	}
+}
+
+static int adc_native_read(const struct device *dev, const struct adc_sequence *sequence)
+{
+	struct adc_native_data *const data = dev->data;
+
+	begin(dev, sequence, NULL);
+	k_sem_take(&data->done, K_FOREVER);
+	return data->result;
+}
+
+static int adc_native_read_async(const struct device *dev, const struct adc_sequence *sequence,
+                                 struct k_poll_signal *async)
+{
+	begin(dev, sequence, async);
+	return 0;
+}
+
 static int adc_native_init(const struct device *dev)
 {
-	return 0;
+	struct adc_native_data *const data = dev->data;
+
+	data->dev = dev;
+	k_sem_init(&data->idle, 1, 1);
+	k_sem_init(&data->done, 0, 1);
+	k_timer_init(&data->timer, late, NULL);
+	return fault_start(BOARD_CHIP_ADC);
 }
 
 static const struct adc_driver_api adc_native_api = {
 	.channel_setup = adc_native_channel_setup,
 	.read = adc_native_read,
+	.read_async = adc_native_read_async,
 };
 
 #define ADC_NATIVE_DEFINE(inst)                                                                    \

@@ -6,11 +6,17 @@
 
 #include <pharos/drivers/edge_time.h>
 
+#include "devices/fault.h"
 #include "host/clock.h"
+#include "kernel/port.h"
 #include "models/board.h"
 
 static int64_t edge_time_native_get_us(const struct device *dev, const struct gpio_dt_spec *input)
 {
+	/* an error cannot be told here: the edge is as old as its interrupt */
+	if (fault_pass(BOARD_CHIP_COUNTER) != 0) {
+		return (int64_t)port_clock_now_us();
+	}
 	const int64_t us = board.edge_us[input->pin] - (int64_t)clock_boot_us();
 
 	return us > 0 ? us : 0; /* an edge before this boot */
@@ -18,7 +24,7 @@ static int64_t edge_time_native_get_us(const struct device *dev, const struct gp
 
 static int edge_time_native_init(const struct device *dev)
 {
-	return 0;
+	return fault_start(BOARD_CHIP_COUNTER);
 }
 
 static const struct edge_time_driver_api edge_time_native_api = {

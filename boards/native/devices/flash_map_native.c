@@ -6,6 +6,7 @@
 
 #include <nettle/sha2.h>
 
+#include "devices/fault.h"
 #include "host/flash_store.h"
 
 #define AREA(label)                                                                                \
@@ -50,18 +51,33 @@ static uint32_t at(const struct flash_area *fa, off_t off)
 
 int flash_area_read(const struct flash_area *fa, off_t off, void *dst, size_t len)
 {
+	const int fault = fault_pass(BOARD_CHIP_FLASH);
+
+	if (fault != 0) {
+		return fault;
+	}
 	return is_inside(fa, off, len) ? flash_read(flash_store(), at(fa, off), dst, (uint32_t)len)
 	                               : -EINVAL;
 }
 
 int flash_area_write(const struct flash_area *fa, off_t off, const void *src, size_t len)
 {
+	const int fault = fault_pass(BOARD_CHIP_FLASH);
+
+	if (fault != 0) {
+		return fault;
+	}
 	return is_inside(fa, off, len) ? flash_write(flash_store(), at(fa, off), src, (uint32_t)len)
 	                               : -EINVAL;
 }
 
 int flash_area_erase(const struct flash_area *fa, off_t off, size_t len)
 {
+	const int fault = fault_pass(BOARD_CHIP_FLASH);
+
+	if (fault != 0) {
+		return fault;
+	}
 	return is_inside(fa, off, len) ? flash_erase(flash_store(), at(fa, off), (uint32_t)len)
 	                               : -EINVAL;
 }

@@ -9,6 +9,7 @@
 
 #include <native/irq.h>
 
+#include "devices/fault.h"
 #include "host/clock.h"
 #include "models/board.h"
 
@@ -43,8 +44,12 @@ static void write_lines(const struct gpio_native_data *data)
 static int gpio_native_pin_configure(const struct device *port, gpio_pin_t pin, gpio_flags_t flags)
 {
 	struct gpio_native_data *data = port->data;
+	const int fault = fault_pass(BOARD_CHIP_GPIO);
 	unsigned int key;
 
+	if (fault != 0) {
+		return fault;
+	}
 	if (pin >= BOARD_LINE_COUNT) {
 		return -EINVAL;
 	}
@@ -65,15 +70,19 @@ static int gpio_native_pin_configure(const struct device *port, gpio_pin_t pin, 
 static int gpio_native_port_get_raw(const struct device *port, gpio_port_value_t *value)
 {
 	*value = board_lines_read();
-	return 0;
+	return fault_pass(BOARD_CHIP_GPIO);
 }
 
 static int gpio_native_port_set_masked_raw(const struct device *port, gpio_port_pins_t mask,
                                            gpio_port_value_t value)
 {
 	struct gpio_native_data *data = port->data;
+	const int fault = fault_pass(BOARD_CHIP_GPIO);
 	unsigned int key;
 
+	if (fault != 0) {
+		return fault;
+	}
 	if ((mask & ~BIT_MASK(BOARD_LINE_COUNT)) != 0) {
 		return -EINVAL;
 	}
@@ -173,7 +182,7 @@ static int gpio_native_init(const struct device *port)
 	data->irq.isr = isr;
 	data->irq.arg = (void *)port;
 	board_lines_interrupt = lines_interrupt;
-	return 0;
+	return fault_start(BOARD_CHIP_GPIO);
 }
 
 static const struct gpio_driver_api gpio_native_api = {

@@ -5,6 +5,7 @@
 #include <zephyr/drivers/pwm.h>
 #include <zephyr/toolchain.h>
 
+#include "devices/fault.h"
 #include "host/clock.h"
 #include "models/board.h"
 
@@ -17,6 +18,11 @@ static int pwm_native_set_cycles(const struct device *dev, uint32_t channel, uin
 {
 	const struct pwm_native_config *config = dev->config;
 
+	const int fault = fault_pass(BOARD_CHIP_PWM);
+
+	if (fault != 0) {
+		return fault;
+	}
 	if ((flags & ~PWM_POLARITY_INVERTED) != 0) {
 		return -ENOTSUP;
 	}
@@ -45,7 +51,7 @@ static int pwm_native_get_cycles_per_sec(const struct device *dev, uint32_t chan
 
 static int pwm_native_init(const struct device *dev)
 {
-	return 0;
+	return fault_start(BOARD_CHIP_PWM);
 }
 
 static const struct pwm_driver_api pwm_native_api = {

@@ -8,10 +8,13 @@
 #include <zephyr/drivers/watchdog.h>
 #include <zephyr/kernel.h>
 
+#include "devices/fault.h"
+#include "devices/wdt_native.h"
 #include "host/reset.h"
 #include "kernel/port.h"
 
 #define CHANNELS_MAX 4
+#define BOOT_MS      100 /* as IWDG_STM32_INITIAL_TIMEOUT */
 
 struct wdt_native_channel {
 	struct k_timer timer;
@@ -24,7 +27,10 @@ struct wdt_native_data {
 	struct wdt_native_channel channels[CHANNELS_MAX];
 	int count;
 	bool running;
+	bool at_boot; /* by its driver */
 };
+
+static struct wdt_native_data wdt_native_data;
 
 /* Interrupt context. */
 static void bite(struct k_timer *timer)
@@ -43,9 +49,13 @@ static int wdt_native_install_timeout(const struct device *dev, const struct wdt
 {
 	struct wdt_native_data *data = dev->data;
 	struct wdt_native_channel *channel;
+	const int fault = fault_pass(BOARD_CHIP_WATCHDOG);
 
+	if (fault != 0) {
+		return fault;
+	}
 	if (data->running) {
-		return -EBUSY;
+		return data->at_boot ? -ENOMEM : -EBUSY; /* as STM32's IWDG, and as others */
 	}
 	if (cfg->window.max == 0) {
 		return -EINVAL;
@@ -104,7 +114,11 @@ static int wdt_native_disable(const struct device *dev)
 static int wdt_native_feed(const struct device *dev, int channel_id)
 {
 	struct wdt_native_data *data = dev->data;
+	const int fault = fault_pass(BOARD_CHIP_WATCHDOG);
 
+	if (fault != 0) {
+		return fault;
+	}
 	if (!data->running || channel_id < 0 || channel_id >= data->count) {
 		return -EINVAL;
 	}
@@ -112,9 +126,42 @@ static int wdt_native_feed(const struct device *dev, int channel_id)
 	return 0;
 }
 
+/* The driver's own time-out, from the first instant on. */
+static int start_at_boot(const struct device *dev)
+{
+	const struct wdt_timeout_cfg boot = {
+		.window = {.max = BOOT_MS},
+		.flags = WDT_FLAG_RESET_SOC,
+	};
+	struct wdt_native_data *data = dev->data;
+	int rc = wdt_native_install_timeout(dev, &boot);
+
+	if (rc >= 0) {
+		rc = wdt_native_setup(dev, 0);
+		data->at_boot = true;
+	}
+	return rc;
+}
+
+uint64_t wdt_native_bite_us(void)
+{
+	const struct wdt_native_data *const data = &wdt_native_data;
+	uint64_t bite_us = UINT64_MAX;
+
+	for (int i = 0; data->running && i < data->count; i++) {
+		bite_us =
+			MIN(bite_us, port_clock_now_us() +
+		                             k_ticks_to_us_ceil64((uint64_t)k_timer_remaining_ticks(
+						     &data->channels[i].timer)));
+	}
+	return bite_us;
+}
+
 static int wdt_native_init(const struct device *dev)
 {
-	return 0;
+	const int error = fault_start(BOARD_CHIP_WATCHDOG);
+
+	return error == 0 && board.watchdog_at_boot ? start_at_boot(dev) : error;
 }
 
 static const struct wdt_driver_api wdt_native_api = {
@@ -124,9 +171,7 @@ static const struct wdt_driver_api wdt_native_api = {
 	.feed = wdt_native_feed,
 };
 
-#define WDT_NATIVE_DEFINE(inst)                                                                    \
-	static struct wdt_native_data wdt_native_data_##inst;                                      \
-	DEVICE_DT_INST_DEFINE(inst, wdt_native_init, NULL, &wdt_native_data_##inst, NULL,          \
-	                      POST_KERNEL, 40, &wdt_native_api);
+BUILD_ASSERT(DT_NUM_INST_STATUS_OKAY(DT_DRV_COMPAT) == 1, "the board has one watchdog");
 
-DT_INST_FOREACH_STATUS_OKAY(WDT_NATIVE_DEFINE)
+DEVICE_DT_INST_DEFINE(0, wdt_native_init, NULL, &wdt_native_data, NULL, POST_KERNEL, 40,
+                      &wdt_native_api);

@@ -15,13 +15,17 @@
 #include "host/module.h"
 #include "host/prng.h"
 #include "host/reset.h"
+#include "kernel/port.h"
 #include "models/board.h"
 
 #define AMBIENT_DEFAULT_MDEGC 25000
 #define TEMP_LOW_MDEGC        (-100000)
 #define TEMP_HIGH_MDEGC       300000
 #define EDGES_MAX             10000
+#define STALLED_MAX           8
+#define STALLED_NAME_MAX      16
 #define PULSE_MAX_US          3600000000
+#define DELAY_MAX_US          INT32_MAX
 
 static int64_t ambient_mdegc = AMBIENT_DEFAULT_MDEGC;
 
@@ -29,6 +33,7 @@ static int64_t ambient_mdegc = AMBIENT_DEFAULT_MDEGC;
 static struct {
 	uint64_t edges_cursor; /* next change that "edges" reports */
 	uint32_t resets;
+	char stalled[STALLED_MAX][STALLED_NAME_MAX]; /* threads that do not run from a reset on */
 } world;
 
 static int64_t now_us(void)
@@ -277,6 +282,28 @@ static enum control_result fault_thermistor(struct control_call *call)
 		call, "thermistor: no kind '%s'; there are none, open, short, stuck, noisy", kind);
 }
 
+bool port_thread_stalled(const char *name)
+{
+	for (size_t i = 0; i < STALLED_MAX; i++) {
+		if (name[0] != '\0' && strcmp(world.stalled[i], name) == 0) {
+			return true;
+		}
+	}
+	return false;
+}
+
+static void stall_at_start(const char *name, bool stalled)
+{
+	for (size_t i = 0; i < STALLED_MAX; i++) {
+		if (strcmp(world.stalled[i], name) == 0 ||
+		    (stalled && world.stalled[i][0] == '\0')) {
+			(void)snprintf(world.stalled[i], STALLED_NAME_MAX, "%s",
+			               stalled ? name : "");
+			return;
+		}
+	}
+}
+
 static enum control_result fault_thread(struct control_call *call)
 {
 	const char *kind;
@@ -286,13 +313,76 @@ static enum control_result fault_thread(struct control_call *call)
 	if (!control_string(call, "kind", &kind) || !control_string(call, "name", &name)) {
 		return CONTROL_ERROR;
 	}
-	if (strcmp(kind, "stalled") != 0 && strcmp(kind, "none") != 0) {
-		return control_fail(call, "thread: no kind '%s'; there are none, stalled", kind);
+	const bool at_start = strcmp(kind, "stalled at start") == 0;
+	const bool none = strcmp(kind, "none") == 0;
+
+	if (!at_start && !none && strcmp(kind, "stalled") != 0) {
+		return control_fail(
+			call, "thread: no kind '%s'; there are none, stalled, stalled at start",
+			kind);
 	}
-	if (!bridge_stall_thread(name, kind[0] == 's', names, sizeof(names))) {
+	if (at_start || none) {
+		stall_at_start(name, at_start);
+	}
+	if (!at_start && !bridge_stall_thread(name, !none, names, sizeof(names))) {
 		return control_fail(call, "thread: no '%s'; there are %s", name, names);
 	}
 	return CONTROL_OK;
+}
+
+static bool find_chip(struct control_call *call, uint32_t *chip)
+{
+	const char *name;
+
+	if (!control_string(call, "name", &name)) {
+		return false;
+	}
+	for (*chip = 0; *chip < BOARD_CHIP_COUNT; (*chip)++) {
+		if (strcmp(board_chip_name(*chip), name) == 0) {
+			return true;
+		}
+	}
+	(void)control_fail(call,
+	                   "chip: no '%s'; there are adc, pwm, gpio, counter, watchdog, uart0 … "
+	                   "uart3, can0, imc, storage, flash",
+	                   name);
+	return false;
+}
+
+static enum control_result fault_chip(struct control_call *call)
+{
+	static const char *const kinds[] = {
+		[BOARD_FAULT_NONE] = "none",
+		[BOARD_FAULT_LATE] = "late",
+		[BOARD_FAULT_NEVER] = "never",
+		[BOARD_FAULT_ERROR] = "error",
+	};
+	const char *kind;
+	int64_t delay_us = 0;
+	uint32_t chip;
+
+	if (!control_string(call, "kind", &kind) || !find_chip(call, &chip)) {
+		return CONTROL_ERROR;
+	}
+	if (strcmp(kind, "running") == 0 && chip == BOARD_CHIP_WATCHDOG) {
+		board.watchdog_at_boot = true;
+		return CONTROL_OK;
+	}
+	for (size_t i = 0; i < sizeof(kinds) / sizeof(kinds[0]); i++) {
+		if (strcmp(kinds[i], kind) != 0) {
+			continue;
+		}
+		if (i == BOARD_FAULT_LATE &&
+		    !control_integer(call, "delay_us", 1, DELAY_MAX_US, &delay_us)) {
+			return CONTROL_ERROR;
+		}
+		board.watchdog_at_boot &= chip != BOARD_CHIP_WATCHDOG;
+		board.faults[chip] =
+			(struct board_fault){(enum board_fault_kind)i, (uint32_t)delay_us};
+		return CONTROL_OK;
+	}
+	return control_fail(call, "chip: no kind '%s'; there are none, late, never, error%s", kind,
+	                    chip == BOARD_CHIP_WATCHDOG ? ", running" : "");
 }
 
 static int parse_ambient(const char *value, struct host_error *error)
@@ -354,7 +444,12 @@ static const struct control_op ops[] = {
 
 static const struct control_fault faults[] = {
 	{"thermistor", "none, open, short, stuck, noisy", fault_thermistor},
-	{"thread", "none, stalled; name: the thread's", fault_thread},
+	{"thread", "none, stalled, stalled at start (from the next reset on); name: the thread's",
+         fault_thread},
+	{"chip",
+         "none, late (delay_us), never, error; name: adc, pwm, gpio, counter, watchdog (also: "
+         "running), uart0 … uart3, can0, imc, storage, flash",
+         fault_chip},
 	{0},
 };
 

@@ -13,6 +13,9 @@
 #include "host/wire.h"
 #include "kernel/port.h"
 
+/* What memory without power becomes. */
+#define NOINIT_LOST 0xA5
+
 static const struct {
 	enum reset_cause cause;
 	const char *name;
@@ -26,6 +29,15 @@ static struct {
 	uint32_t last;
 	uint32_t collected;
 } state = {RESET_CAUSE_POWER_ON, RESET_CAUSE_POWER_ON};
+
+/* The device's memory that a reset keeps: what is __noinit, if anything is. */
+extern char noinit_start[] __asm__("__start_native_noinit") __attribute__((weak));
+extern char noinit_end[] __asm__("__stop_native_noinit") __attribute__((weak));
+
+static size_t noinit_size(void)
+{
+	return noinit_start == NULL ? 0 : (size_t)(noinit_end - noinit_start);
+}
 
 uint32_t reset_causes(void)
 {
@@ -66,6 +78,9 @@ _Noreturn void port_reset(uint32_t cause)
 {
 	host_off();
 	port_trace("reset", reset_cause_name(cause), (int64_t)cause);
+	if (cause == RESET_CAUSE_POWER_ON || cause == RESET_CAUSE_BROWNOUT) {
+		memset(noinit_start, NOINIT_LOST, noinit_size());
+	}
 	state.last = cause;
 	state.collected |= cause;
 	wires_flush();
@@ -102,6 +117,9 @@ void port_console_write(const char *text, size_t length)
 static int start(void)
 {
 	carry_register("reset", &state, sizeof(state));
+	if (noinit_size() > 0 && !carry_register("noinit", noinit_start, noinit_size())) {
+		memset(noinit_start, NOINIT_LOST, noinit_size());
+	}
 	return 0;
 }
 

@@ -8,6 +8,7 @@
 #ifndef NATIVE_KERNEL_PORT_H_
 #define NATIVE_KERNEL_PORT_H_
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -54,6 +55,9 @@ uint64_t port_cycles(void);
 /* One line of the event trace ("<time> <kind> <name> <value>"); returns at once when there is no
  * trace. */
 void port_trace(const char *kind, const char *name, int64_t value);
+
+/* A fault keeps the thread of that name from running at all. */
+bool port_thread_stalled(const char *name);
 
 /*
  * Board reset: the lamp goes off at that instant, then the MCU's side starts anew. The cause is one

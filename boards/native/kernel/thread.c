@@ -85,6 +85,9 @@ void k_thread_start(k_tid_t thread)
 	(void)timeout_abort(&thread->base.timeout);
 	thread->base.thread_state &= (uint8_t)~THREAD_PRESTART;
 	sched_ready(thread);
+	if (port_thread_stalled(thread->name)) {
+		k_thread_suspend(thread);
+	}
 	sched_reschedule();
 }
 

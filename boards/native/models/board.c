@@ -69,6 +69,16 @@ static const char *const probe_names[BOARD_PROBE_COUNT] = {
 	"command",
 };
 
+static const char *const chip_names[BOARD_CHIP_COUNT] = {
+	[BOARD_CHIP_ADC] = "adc",           [BOARD_CHIP_PWM] = "pwm",
+	[BOARD_CHIP_GPIO] = "gpio",         [BOARD_CHIP_COUNTER] = "counter",
+	[BOARD_CHIP_WATCHDOG] = "watchdog", [BOARD_CHIP_UART0] = "uart0",
+	[BOARD_CHIP_UART1] = "uart1",       [BOARD_CHIP_UART2] = "uart2",
+	[BOARD_CHIP_UART3] = "uart3",       [BOARD_CHIP_CAN] = "can0",
+	[BOARD_CHIP_IMC] = "imc",           [BOARD_CHIP_STORAGE] = "storage",
+	[BOARD_CHIP_FLASH] = "flash",
+};
+
 static const char *const servo_names[BOARD_SERVO_COUNT] = {
 	[BOARD_SERVO_PAN] = "pan",
 	[BOARD_SERVO_TILT] = "tilt",
@@ -280,6 +290,11 @@ const char *board_line_name(uint32_t line)
 const char *board_servo_name(uint32_t servo)
 {
 	return servo < BOARD_SERVO_COUNT ? servo_names[servo] : NULL;
+}
+
+const char *board_chip_name(uint32_t chip)
+{
+	return chip < BOARD_CHIP_COUNT ? chip_names[chip] : NULL;
 }
 
 const char *board_probe_name(unsigned int channel)

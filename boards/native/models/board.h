@@ -60,6 +60,36 @@ enum board_servo {
 	BOARD_SERVO_COUNT,
 };
 
+/* Chips, in the MCU or beside it, whose failing can be injected. */
+enum board_chip {
+	BOARD_CHIP_ADC,
+	BOARD_CHIP_PWM,
+	BOARD_CHIP_GPIO,
+	BOARD_CHIP_COUNTER, /* that times the edges of inputs */
+	BOARD_CHIP_WATCHDOG,
+	BOARD_CHIP_UART0,
+	BOARD_CHIP_UART1,
+	BOARD_CHIP_UART2,
+	BOARD_CHIP_UART3,
+	BOARD_CHIP_CAN,
+	BOARD_CHIP_IMC,
+	BOARD_CHIP_STORAGE,
+	BOARD_CHIP_FLASH, /* of the image slots */
+	BOARD_CHIP_COUNT,
+};
+
+enum board_fault_kind {
+	BOARD_FAULT_NONE,
+	BOARD_FAULT_LATE,  /* answers after delay_us */
+	BOARD_FAULT_NEVER, /* does not answer */
+	BOARD_FAULT_ERROR, /* answers with an error, and its driver does not start */
+};
+
+struct board_fault {
+	enum board_fault_kind kind;
+	uint32_t delay_us;
+};
+
 #define BOARD_PROBE_COUNT   16
 #define BOARD_PROBE_COMMAND 10u /* an event: the same value again is news */
 
@@ -81,6 +111,8 @@ struct board {
 	struct board_pwm pwm[BOARD_PWM_COUNT];
 	struct servo servos[BOARD_SERVO_COUNT];
 	int64_t probes[BOARD_PROBE_COUNT];
+	struct board_fault faults[BOARD_CHIP_COUNT];
+	bool watchdog_at_boot; /* its driver starts it, as STM32's does from Zephyr 4.2 on */
 };
 
 extern struct board board;
@@ -144,6 +176,9 @@ const char *board_line_name(uint32_t line);
 
 /* "pan", "tilt"; NULL: no such servo. */
 const char *board_servo_name(uint32_t servo);
+
+/* "adc", "pwm", …; NULL: no such chip. */
+const char *board_chip_name(uint32_t chip);
 
 /* "limit_ppm", "gate", …: the name of a probe channel; NULL: no such channel. */
 const char *board_probe_name(unsigned int channel);

@@ -10,6 +10,7 @@
 
 #include "can_controller.h"
 #include "can_host_bus.h"
+#include "devices/fault.h"
 
 #define CORE_CLOCK_HZ 80000000u
 #define FRAME_FLAGS   (CAN_FRAME_IDE | CAN_FRAME_RTR | CAN_FRAME_FDF | CAN_FRAME_BRS)
@@ -101,6 +102,9 @@ static int start(const struct device *dev)
 	if (controller->started) {
 		return -EALREADY;
 	}
+	if (fault_start(BOARD_CHIP_CAN) != 0) {
+		return -EIO;
+	}
 	can_controller_start(controller);
 	return 0;
 }
@@ -152,6 +156,14 @@ static int send(const struct device *dev, const struct can_frame *frame, k_timeo
 	}
 	if (k_sem_take(&controller->mailboxes_free, timeout) != 0) {
 		return -EAGAIN;
+	}
+	if (fault_of(BOARD_CHIP_CAN)->kind == BOARD_FAULT_NEVER) {
+		return 0; /* and the mailbox stays full */
+	}
+	rc = fault_pass(BOARD_CHIP_CAN);
+	if (rc != 0) {
+		k_sem_give(&controller->mailboxes_free);
+		return rc;
 	}
 	/* It may have changed meanwhile. */
 	rc = check_sending(controller);

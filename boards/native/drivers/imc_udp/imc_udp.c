@@ -2,12 +2,15 @@
 /* Datagrams over UDP of the host (compatible "pharos,imc-udp"). */
 #define DT_DRV_COMPAT pharos_imc_udp
 
+#include <errno.h>
+
 #include <native/irq.h>
 #include <zephyr/device.h>
 #include <zephyr/toolchain.h>
 
 #include <pharos/drivers/datagram.h>
 
+#include "devices/fault.h"
 #include "imc_udp.h"
 
 BUILD_ASSERT((unsigned int)IMC_UDP_HOST == DATAGRAM_SCOPE_HOST &&
@@ -56,24 +59,37 @@ static int receive(const struct device *dev, struct datagram_address *from, uint
 	struct imc_udp_address address;
 	const int length = imc_udp_receive(&address, bytes, room);
 
+	if (fault_of(BOARD_CHIP_IMC)->kind == BOARD_FAULT_NEVER) {
+		return -EAGAIN;
+	}
 	if (length >= 0) {
 		*from = (struct datagram_address){.ipv4 = address.ipv4, .port = address.port};
 	}
 	return length;
 }
 
+/* A silent network takes everything and delivers nothing. */
+static int pass(void)
+{
+	return fault_of(BOARD_CHIP_IMC)->kind == BOARD_FAULT_NEVER ? -ENETDOWN
+	                                                           : fault_pass(BOARD_CHIP_IMC);
+}
+
 static int send(const struct device *dev, const struct datagram_address *to, const uint8_t *bytes,
                 size_t length)
 {
 	const struct imc_udp_address address = {.ipv4 = to->ipv4, .port = to->port};
+	const int fault = pass();
 
-	return imc_udp_send(&address, bytes, length);
+	return fault != 0 ? fault : imc_udp_send(&address, bytes, length);
 }
 
 static int announce(const struct device *dev, enum datagram_scope scope, const uint8_t *bytes,
                     size_t length)
 {
-	return imc_udp_announce((enum imc_udp_scope)scope, bytes, length);
+	const int fault = pass();
+
+	return fault != 0 ? fault : imc_udp_announce((enum imc_udp_scope)scope, bytes, length);
 }
 
 static void callback_set(const struct device *dev, datagram_callback_t callback, void *user_data)
@@ -96,6 +112,9 @@ static int init(const struct device *dev)
 {
 	struct imc_udp_data *const data = dev->data;
 
+	if (fault_start(BOARD_CHIP_IMC) != 0) {
+		return -EIO;
+	}
 	data->irq = (struct native_irq){.isr = isr, .arg = (void *)(uintptr_t)dev};
 	imc_udp_open(on_rx, (void *)(uintptr_t)dev);
 	return 0;

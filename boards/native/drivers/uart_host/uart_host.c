@@ -14,6 +14,7 @@
 #include <zephyr/drivers/uart.h>
 #include <zephyr/kernel.h>
 
+#include "devices/fault.h"
 #include "uart_host_wire.h"
 
 #define BITS_PER_BYTE 10u /* start, 8 data, stop */
@@ -28,6 +29,7 @@ struct uart_host_config {
 
 struct uart_host_data {
 	struct wire *wire;
+	enum board_chip chip;
 	struct native_irq irq;
 	uart_irq_callback_user_data_t callback;
 	void *user_data;
@@ -45,15 +47,30 @@ struct uart_host_data {
 	uint8_t tx_shift[TX_SHIFT_SIZE];
 };
 
+/* The chip does not answer. */
+static bool is_silent(const struct uart_host_data *data)
+{
+	const enum board_fault_kind kind = fault_of(data->chip)->kind;
+
+	return kind == BOARD_FAULT_NEVER || kind == BOARD_FAULT_ERROR;
+}
+
 static size_t rx_count(const struct uart_host_data *data)
 {
+	if (is_silent(data)) {
+		return 0;
+	}
 	return data->paced ? data->rx_visible : uart_host_wire_available(data->wire);
+}
+
+static bool is_tx_ready(const struct uart_host_data *data)
+{
+	return data->tx_enabled && data->tx_length == 0 && !is_silent(data);
 }
 
 static bool is_pending(const struct uart_host_data *data)
 {
-	return (data->rx_enabled && rx_count(data) > 0) ||
-	       (data->tx_enabled && data->tx_length == 0);
+	return (data->rx_enabled && rx_count(data) > 0) || is_tx_ready(data);
 }
 
 /* Level-triggered, as a real one: again until nothing is pending, or the callback leaves it at
@@ -75,7 +92,11 @@ static void isr(void *arg)
 static k_timeout_t time_of(const struct uart_host_data *data, size_t bytes)
 {
 	const uint64_t bits = (uint64_t)bytes * BITS_PER_BYTE;
+	const struct board_fault *const fault = fault_of(data->chip);
 
+	if (fault->kind == BOARD_FAULT_LATE) {
+		return K_USEC(fault->delay_us);
+	}
 	return K_USEC((bits * 1000000u + data->config.baudrate - 1) / data->config.baudrate);
 }
 
@@ -188,7 +209,7 @@ static int fifo_fill(const struct device *dev, const uint8_t *bytes, int size)
 		return 0;
 	}
 	data->moved = true;
-	if (!data->paced) {
+	if (!data->paced && fault_of(data->chip)->kind != BOARD_FAULT_LATE) {
 		return (int)uart_host_wire_write(data->wire, bytes, (size_t)size);
 	}
 	n = MIN((size_t)size, sizeof(data->tx_shift));
@@ -230,7 +251,7 @@ static int irq_tx_ready(const struct device *dev)
 {
 	const struct uart_host_data *data = dev->data;
 
-	return data->tx_enabled && data->tx_length == 0 ? 1 : 0;
+	return is_tx_ready(data) ? 1 : 0;
 }
 
 static void irq_rx_enable(const struct device *dev)
@@ -319,6 +340,10 @@ static int init(const struct device *dev)
 	data->wire = uart_host_wire_find(config->wire);
 	if (data->wire == NULL) {
 		return -ENODEV;
+	}
+	data->chip = fault_chip(config->wire);
+	if (fault_start(data->chip) != 0) {
+		return -EIO;
 	}
 	data->irq = (struct native_irq){.isr = isr, .arg = (void *)(uintptr_t)dev};
 	data->paced = uart_host_wire_paced(data->wire);

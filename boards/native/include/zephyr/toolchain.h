@@ -17,7 +17,8 @@
 #define __printf_like(fmt, va) __attribute__((format(printf, fmt, va)))
 #define __deprecated           __attribute__((deprecated))
 #define __fallthrough          __attribute__((fallthrough))
-#define __noinit
+/* Kept over a reset, lost with power: host/reset.c carries it. */
+#define __noinit               __attribute__((section("native_noinit")))
 #define __in_section_unique(seg)
 
 #define ARG_UNUSED(x) ((void)(x))

@@ -7,6 +7,7 @@
 #include <zephyr/logging/log.h>
 #include <zephyr/settings/settings.h>
 
+#include "devices/fault.h"
 #include "settings_store.h"
 
 LOG_MODULE_REGISTER(settings, CONFIG_SETTINGS_LOG_LEVEL);
@@ -212,6 +213,9 @@ int settings_subsys_init(void)
 
 	(void)k_mutex_lock(&settings_lock, K_FOREVER);
 	if (!is_open) {
+		rc = fault_pass(BOARD_CHIP_STORAGE);
+	}
+	if (!is_open && rc == 0) {
 		rc = settings_records_open(&store, settings_host_medium());
 		is_open = rc == 0;
 	}
@@ -339,7 +343,10 @@ int settings_save_one(const char *name, const void *value, size_t val_len)
 	}
 	(void)k_mutex_lock(&settings_lock, K_FOREVER);
 	/* A save may move what is being loaded. */
-	rc = loading ? -EBUSY : settings_records_save(&store, name, value, val_len);
+	rc = loading ? -EBUSY : fault_pass(BOARD_CHIP_STORAGE);
+	if (rc == 0) {
+		rc = settings_records_save(&store, name, value, val_len);
+	}
 	(void)k_mutex_unlock(&settings_lock);
 	return rc;
 }

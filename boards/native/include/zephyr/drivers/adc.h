@@ -2,9 +2,9 @@
 /*
  * Analogue inputs, by Zephyr's names. adc_read() takes one sample of each channel in the sequence's
  * mask, and as many more rounds as its options ask for, into a buffer of 16-bit codes. Thread
- * context; 0 or -errno
- * (-EINVAL: no such channel or resolution; -ENOMEM: buffer too small; -ENOTSUP: an option it
- * lacks).
+ * context; 0 or -errno (-EINVAL: no such channel or resolution; -ENOMEM: buffer too small;
+ * -ENOTSUP: an option it lacks). adc_read_async() begins that and returns; the signal is raised
+ * with the result when it is done. Either waits, without end, for a request that is under way.
  */
 #ifndef ZEPHYR_DRIVERS_ADC_H_
 #define ZEPHYR_DRIVERS_ADC_H_
@@ -16,6 +16,7 @@
 
 #include <zephyr/device.h>
 #include <zephyr/dt-bindings/adc/adc.h>
+#include <zephyr/kernel.h>
 
 /* BIT() is in Zephyr's header too; the mask of channels is built with it */
 #include <zephyr/sys/util.h>
@@ -65,6 +66,8 @@ struct adc_sequence {
 struct adc_driver_api {
 	int (*channel_setup)(const struct device *dev, const struct adc_channel_cfg *cfg);
 	int (*read)(const struct device *dev, const struct adc_sequence *sequence);
+	int (*read_async)(const struct device *dev, const struct adc_sequence *sequence,
+	                  struct k_poll_signal *async);
 };
 
 /* The controller's child node with the channel's number as its unit address gives the settings. */
@@ -99,6 +102,12 @@ static inline int adc_channel_setup(const struct device *dev, const struct adc_c
 static inline int adc_read(const struct device *dev, const struct adc_sequence *sequence)
 {
 	return ((const struct adc_driver_api *)dev->api)->read(dev, sequence);
+}
+
+static inline int adc_read_async(const struct device *dev, const struct adc_sequence *sequence,
+                                 struct k_poll_signal *async)
+{
+	return ((const struct adc_driver_api *)dev->api)->read_async(dev, sequence, async);
 }
 
 static inline int adc_channel_setup_dt(const struct adc_dt_spec *spec)
