@@ -12,6 +12,7 @@
 
 #include "threads/command.h"
 #include "threads/devices.h"
+#include "threads/startup.h"
 #include "threads/supervisor.h"
 
 LOG_MODULE_REGISTER(can_link);
@@ -79,7 +80,7 @@ int can_link_init(uint32_t bitrate, bool fd)
 {
 	int error;
 
-	if (devices.can_link == NULL) {
+	if (startup_result(STARTUP_CAN_LINK) != 0) {
 		return -ENODEV;
 	}
 	has_fd = fd && set_fd();
@@ -92,8 +93,8 @@ int can_link_init(uint32_t bitrate, bool fd)
 	}
 	can_set_state_change_callback(devices.can_link, on_state, NULL);
 	error = can_start(devices.can_link);
+	startup_done(STARTUP_CAN_LINK, error);
 	if (error != 0) {
-		LOG_ERR("cannot start: error %d", error);
 		return error;
 	}
 	opened = true;
@@ -254,9 +255,6 @@ static void post(const struct can_frame *from)
 
 void can_link_run(void *p1, void *p2, void *p3)
 {
-	if (!opened) {
-		return;
-	}
 	for (;;) {
 		struct can_frame frame;
 

@@ -68,7 +68,7 @@ void can_link_frame_free(struct dronecan_frame *frame);
 /* Any thread. */
 struct can_link_status can_link_status_get(void);
 
-/* Thread entry. Returns at once when the board has no CAN. */
+/* Thread entry, if the board has CAN and it has started. */
 void can_link_run(void *, void *, void *);
 
 #endif

@@ -18,6 +18,7 @@
 #include "threads/imc_node.h"
 #include "threads/inputs.h"
 #include "threads/mavlink_node.h"
+#include "threads/startup.h"
 #include "threads/storage.h"
 #include "threads/strobe.h"
 #include "threads/supervisor.h"
@@ -277,7 +278,7 @@ void command_init(void)
 	bool has_light;
 
 	params_init(&command.params);
-	storage_load(&command.params, &light, &has_light);
+	startup_done(STARTUP_STORAGE, storage_load(&command.params, &light, &has_light));
 	params_illuminator(&command.params, &illuminator);
 	params_thermal(&command.params, &thermal);
 	params_arbiter(&command.params, &arbiter);
@@ -286,9 +287,7 @@ void command_init(void)
 	illuminator_init(&command.illuminator, &illuminator);
 	arbiter_init(&command.arbiter, &arbiter);
 	thermal_thread_init(&thermal);
-	if (strobe_timer_init(&sync) != 0) {
-		LOG_ERR("the sync input does not work; external sync will time out");
-	}
+	strobe_timer_init(&sync);
 	self_test_init(&command.self_test);
 	gimbal_node_init(&command);
 	uart_links_init(&command.params);

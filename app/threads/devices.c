@@ -1,17 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "threads/devices.h"
 
-#include <errno.h>
-
 #include <zephyr/devicetree.h>
-#include <zephyr/logging/log.h>
 #include <zephyr/sys/util.h>
+
+#include "threads/startup.h"
 
 #ifdef CONFIG_PHAROS_FIRMWARE_UPDATE
 #include <zephyr/storage/flash_map.h>
 #endif
-
-LOG_MODULE_REGISTER(devices);
 
 #ifdef CONFIG_CAN
 #define CAN_LINK DEVICE_DT_GET_OR_NULL(DT_ALIAS(can_link0))
@@ -85,33 +82,27 @@ uint32_t devices_update_slot_size(void)
 }
 #endif
 
-static int device_check(const struct device *device)
+static void start_servos(void)
 {
-	if (device != NULL && !device_is_ready(device)) {
-		LOG_ERR("%s is not ready", device->name);
-		return -ENODEV;
+	if (startup_device(STARTUP_SERVOS, devices.servo_pan) == 0) {
+		(void)startup_device(STARTUP_SERVOS, devices.servo_tilt);
 	}
-	return 0;
 }
 
-int devices_check(void)
+void devices_start(void)
 {
-	const struct device *const all[] = {
-		devices.light, devices.thermistor,      devices.watchdog,
-		devices.probe, devices.sync_input.port, devices.can_link,
-		devices.strap, devices.imc_datagrams,
-	};
-	int error = 0;
-
-	for (size_t i = 0; i < ARRAY_SIZE(all); i++) {
-		const int result = device_check(all[i]);
-
-		error = result != 0 ? result : error;
+	(void)startup_device(STARTUP_LIGHT, devices.light);
+	(void)startup_device(STARTUP_SENSOR, devices.thermistor);
+	(void)startup_device(STARTUP_SYNC, devices.sync_input.port);
+	(void)startup_device(STARTUP_EDGE_TIME, devices.edge_time);
+	(void)startup_device(STARTUP_STRAP, devices.strap);
+	for (int i = 0; i <= STARTUP_UART_LINK3 - STARTUP_UART_LINK0; i++) {
+		(void)startup_device(STARTUP_UART_LINK0 + i,
+		                     i < UART_LINKS_MAX ? devices.uart_links[i] : NULL);
 	}
-	for (size_t i = 0; i < ARRAY_SIZE(devices.uart_links); i++) {
-		const int result = device_check(devices.uart_links[i]);
-
-		error = result != 0 ? result : error;
-	}
-	return error;
+	(void)startup_device(STARTUP_CAN_LINK, devices.can_link);
+	(void)startup_device(STARTUP_IMC_LINK, devices.imc_datagrams);
+	start_servos();
+	(void)startup_device(STARTUP_DRIVER_FAULT, devices.driver_fault.port);
+	(void)startup_device(STARTUP_BUTTON, devices.button.port);
 }

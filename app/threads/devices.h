@@ -55,7 +55,7 @@ uint8_t devices_update_slot(void);
 uint32_t devices_update_slot_size(void);
 #endif
 
-/* 0, or -ENODEV after logging each device that the board has but that failed to start. */
-int devices_check(void);
+/* The result of each device's own start, to threads/startup.h. */
+void devices_start(void);
 
 #endif

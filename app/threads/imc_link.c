@@ -10,6 +10,7 @@
 
 #include "threads/command.h"
 #include "threads/devices.h"
+#include "threads/startup.h"
 #include "threads/uart_link.h"
 
 K_MEM_SLAB_DEFINE_STATIC(frame_pool, ROUND_UP(sizeof(struct imc_frame), 8), IMC_FRAMES_MAX, 8);
@@ -49,20 +50,25 @@ static void count_sent(int error)
 	}
 }
 
+bool imc_link_has_datagrams(void)
+{
+	return startup_result(STARTUP_IMC_LINK) == 0;
+}
+
 void imc_link_send(const struct imc_route *route, const uint8_t *bytes, size_t length)
 {
 	const struct datagram_address to = {.ipv4 = route->address, .port = route->port};
 
 	if (route->link < UART_LINKS_MAX) {
 		(void)uart_link_send(route->link, bytes, length);
-	} else if (devices.imc_datagrams != NULL) {
+	} else if (imc_link_has_datagrams()) {
 		count_sent(datagram_send(devices.imc_datagrams, &to, bytes, length));
 	}
 }
 
 void imc_link_announce(int32_t scope, const uint8_t *bytes, size_t length)
 {
-	if (devices.imc_datagrams != NULL) {
+	if (imc_link_has_datagrams()) {
 		count_sent(datagram_announce(devices.imc_datagrams, (enum datagram_scope)scope,
 		                             bytes, length));
 	}
@@ -111,9 +117,6 @@ static void drain(void)
 
 void imc_link_run(void *p1, void *p2, void *p3)
 {
-	if (devices.imc_datagrams == NULL) {
-		return;
-	}
 	datagram_callback_set(devices.imc_datagrams, on_datagrams, NULL);
 	for (;;) {
 		drain();

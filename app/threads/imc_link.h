@@ -6,6 +6,7 @@
 #ifndef PHAROS_THREADS_IMC_LINK_H
 #define PHAROS_THREADS_IMC_LINK_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -39,6 +40,9 @@ void imc_link_post(const struct imc_route *route, const uint8_t *bytes, size_t l
 /* Gives a received packet's buffer back to the pool. Command thread. */
 void imc_link_frame_free(struct imc_frame *frame);
 
+/* The board has datagrams, and they have started. Any thread. */
+bool imc_link_has_datagrams(void);
+
 /* What finds no room or no network is counted by the link. Command thread. */
 void imc_link_send(const struct imc_route *route, const uint8_t *bytes, size_t length);
 
@@ -48,7 +52,7 @@ void imc_link_announce(int32_t scope, const uint8_t *bytes, size_t length);
 /* Of the datagram link. Any thread. */
 struct imc_link_stats imc_link_stats_get(void);
 
-/* Thread entry. Returns at once when the board has no datagrams. */
+/* Thread entry, if the board has datagrams. */
 void imc_link_run(void *, void *, void *);
 
 #endif

@@ -32,7 +32,7 @@ static const char *services(void)
 	static char text[sizeof(SERVICES) + 5 * sizeof("65535")];
 	struct datagram_address own;
 
-	if (devices.imc_datagrams == NULL || datagram_own(devices.imc_datagrams, &own) != 0) {
+	if (!imc_link_has_datagrams() || datagram_own(devices.imc_datagrams, &own) != 0) {
 		return NULL;
 	}
 	snprintk(text, sizeof(text), SERVICES, (unsigned int)(own.ipv4 >> 24),

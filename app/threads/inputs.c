@@ -8,6 +8,7 @@
 #include "threads/command.h"
 #include "threads/devices.h"
 #include "threads/imc_node.h"
+#include "threads/startup.h"
 
 LOG_MODULE_REGISTER(inputs);
 
@@ -16,7 +17,7 @@ LOG_MODULE_REGISTER(inputs);
 
 struct input {
 	const struct gpio_dt_spec *spec;
-	const char *name;
+	enum startup_step step;
 	void (*changed)(bool active);
 	struct gpio_callback callback;
 	struct k_work_delayable settled;
@@ -74,8 +75,8 @@ static void button_changed(bool active)
 }
 
 static struct input inputs[] = {
-	{.spec = &devices.driver_fault, .name = "driver fault", .changed = fault_changed},
-	{.spec = &devices.button, .name = "button", .changed = button_changed},
+	{.spec = &devices.driver_fault, .step = STARTUP_DRIVER_FAULT, .changed = fault_changed},
+	{.spec = &devices.button, .step = STARTUP_BUTTON, .changed = button_changed},
 };
 
 static void settle(struct k_work *work)
@@ -116,18 +117,12 @@ static int start(struct input *input)
 
 void inputs_init(void)
 {
-	status.has_driver_fault = devices.driver_fault.port != NULL;
 	for (size_t i = 0; i < ARRAY_SIZE(inputs); i++) {
-		if (inputs[i].spec->port == NULL) {
-			continue;
-		}
-		const int error =
-			device_is_ready(inputs[i].spec->port) ? start(&inputs[i]) : -ENODEV;
-
-		if (error != 0) {
-			LOG_ERR("%s input: error %d", inputs[i].name, error);
+		if (startup_result(inputs[i].step) == 0) {
+			startup_done(inputs[i].step, start(&inputs[i]));
 		}
 	}
+	status.has_driver_fault = startup_result(STARTUP_DRIVER_FAULT) == 0;
 }
 
 struct inputs_status inputs_get(void)

@@ -19,7 +19,7 @@ struct inputs_status {
 	uint32_t presses;
 };
 
-/* After command_init(). An input that does not work is logged; the light goes on without it. */
+/* After command_init(). Sets the results of STARTUP_DRIVER_FAULT and STARTUP_BUTTON. */
 void inputs_init(void);
 
 /* Any thread. */

@@ -16,6 +16,7 @@
 #include "threads/identity.h"
 #include "threads/inputs.h"
 #include "threads/link.h"
+#include "threads/startup.h"
 #include "threads/storage.h"
 
 LOG_MODULE_REGISTER(mavlink);
@@ -25,6 +26,9 @@ LOG_MODULE_REGISTER(mavlink);
 
 /* Until an acknowledged reboot: frames leave the wires, and settings reach the store. */
 #define REBOOT_DELAY_US 500000
+
+/* What has not started is told again: whoever listens may not have been there before. */
+#define START_FAILED_GAP_US (30 * US_PER_S)
 
 static int64_t reboot_us = TIME_NEVER_US;
 static struct mavlink_endpoint endpoint;
@@ -175,12 +179,41 @@ static void tell_storage_failure(int64_t now_us)
 	mavlink_endpoint_text(&endpoint, now_us, 3 /* MAV_SEVERITY_ERROR */, text);
 }
 
-/* The lamp's driver has a fault, or none any more. */
+/* What has not started: a text for each step. */
+static void tell_startup(int64_t now_us)
+{
+	static enum startup_step next = STARTUP_STEPS;
+	static int64_t next_us;
+	char text[MAVLINK_TEXT_BYTES];
+
+	if (next == STARTUP_STEPS) {
+		if (now_us < next_us) {
+			return;
+		}
+		next = 0;
+		next_us = now_us + START_FAILED_GAP_US;
+	}
+	next = startup_failed(next);
+	if (next != STARTUP_STEPS) {
+		snprintk(text, sizeof(text), "Start failed: %s, error %d", startup_name(next),
+		         startup_result(next));
+		mavlink_endpoint_text(&endpoint, now_us,
+		                      startup_allows_light() ? 3 /* MAV_SEVERITY_ERROR */
+		                                             : 2 /* MAV_SEVERITY_CRITICAL */,
+		                      text);
+		next++;
+	}
+}
+
+/* The lamp cannot be driven, or its driver tells of a fault; or all is well again. */
 static void tell_driver_fault(int64_t now_us)
 {
 	static bool told;
 	static int64_t next_us;
-	const bool fault = inputs_get().driver_fault;
+	struct light_state light;
+
+	light_get(devices.light, &light);
+	const bool fault = inputs_get().driver_fault || light.error != 0;
 
 	if (fault == told || now_us < next_us) {
 		return;
@@ -200,6 +233,7 @@ void mavlink_node_step(struct command *command)
 		light_off_now(devices.light);
 		sys_reboot(SYS_REBOOT_COLD);
 	}
+	tell_startup(now_us);
 	tell_storage_failure(now_us);
 	tell_driver_fault(now_us);
 	while (mavlink_endpoint_deadline_us(&endpoint) <= now_us) {

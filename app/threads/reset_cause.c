@@ -41,6 +41,10 @@ void reset_cause_init(void)
 
 void reset_cause_blame(const char *thread)
 {
+	if (thread == NULL) {
+		blame.magic = 0;
+		return;
+	}
 	snprintk(blame.thread, sizeof(blame.thread), "%s", thread);
 	blame.magic = BLAME_MAGIC;
 }
@@ -55,7 +59,8 @@ void reset_cause_text(char text[RESET_CAUSE_TEXT_MAX])
 			break;
 		}
 	}
-	if (blamed && (cause & RESET_WATCHDOG) != 0) {
+	/* without a watchdog the supervisor resets the board itself */
+	if (blamed && (cause & (RESET_WATCHDOG | RESET_SOFTWARE)) != 0) {
 		snprintk(text, RESET_CAUSE_TEXT_MAX, "%s (thread %s stalled)", name, blame.thread);
 	} else {
 		snprintk(text, RESET_CAUSE_TEXT_MAX, "%s", name);

@@ -15,7 +15,8 @@ void reset_cause_init(void);
 /* "power-on", "watchdog (thread command stalled)", "software", … Any context. */
 void reset_cause_text(char text[RESET_CAUSE_TEXT_MAX]);
 
-/* Remembers, over the reset that will follow, which thread stalled. Any context. */
+/* Remembers, over the reset that will follow, which thread stalls; NULL: none does.
+ * Any context. */
 void reset_cause_blame(const char *thread);
 
 #endif

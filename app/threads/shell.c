@@ -84,7 +84,8 @@ static int light_command(const struct shell *sh, const struct illuminator_event 
 		say_ranges(sh, &request);
 		return -EINVAL;
 	case ILLUMINATOR_FAILED:
-		shell_error(sh, "not now: over temperature (see: thermal), or without power");
+		shell_error(sh, "not now: over temperature (see: thermal), without power, or "
+		                "not started (see: startup)");
 		return -EAGAIN;
 	}
 	return -EINVAL;
@@ -254,6 +255,10 @@ static int cmd_light_status(const struct shell *sh, size_t argc, char **argv)
 	print_fixed(sh, "limit", light.limit_ppm, PPM_PER_PERCENT_DECIMALS, "% of full power");
 	print_fixed(sh, "output now", light.output_ppm, PPM_PER_PERCENT_DECIMALS,
 	            "% of full power");
+	if (light.errors > 0) {
+		shell_print(sh, "%-14s%u that failed, last %d", "writes", light.errors,
+		            light.error);
+	}
 	if (inputs.has_driver_fault) {
 		shell_print(sh, "%-14s%s, %u faults", "driver",
 		            inputs.driver_fault ? "FAULT" : "ok", inputs.driver_faults);

@@ -9,6 +9,7 @@
 
 #include "threads/clock.h"
 #include "threads/devices.h"
+#include "threads/startup.h"
 
 /* Changed by the timer's and the input's interrupts, and by threads under irq_lock(). */
 static struct gate gate;
@@ -54,7 +55,10 @@ static void sync_changed(const struct device *port, struct gpio_callback *callba
 	const unsigned int key = irq_lock();
 	const bool level = gpio_pin_get_dt(&devices.sync_input) > 0;
 
-	(void)gate_input(&gate, edge_time_us(devices.edge_time, &devices.sync_input), level);
+	(void)gate_input(&gate,
+	                 edge_time_us(startup_ready(STARTUP_EDGE_TIME, devices.edge_time),
+	                              &devices.sync_input),
+	                 level);
 	/* an edge may be told late: what it gives by now counts */
 	carry_out(gate_advance(&gate, clock_now_us()));
 	irq_unlock(key);
@@ -75,9 +79,9 @@ static int sync_input_init(void)
 	return error;
 }
 
-int strobe_timer_init(const struct sync_config *sync)
+void strobe_timer_init(const struct sync_config *sync)
 {
-	const bool wired = devices.sync_input.port != NULL;
+	const bool wired = startup_result(STARTUP_SYNC) == 0;
 	const int error = wired ? sync_input_init() : 0;
 	const unsigned int key = irq_lock();
 
@@ -85,7 +89,9 @@ int strobe_timer_init(const struct sync_config *sync)
 	          wired && error == 0 && gpio_pin_get_dt(&devices.sync_input) > 0);
 	carry_out(false);
 	irq_unlock(key);
-	return error;
+	if (wired) {
+		startup_done(STARTUP_SYNC, error);
+	}
 }
 
 void strobe_timer_set(const struct light_plan *plan)

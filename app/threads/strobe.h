@@ -10,8 +10,8 @@
 
 #include "core/gate.h"
 
-/* Before anything else of this file: the lamp is dark. 0 or -errno of the sync input's driver. */
-int strobe_timer_init(const struct sync_config *sync);
+/* Before anything else of this file: the lamp is dark. Sets the result of STARTUP_SYNC. */
+void strobe_timer_init(const struct sync_config *sync);
 
 /* The plan is in force on return. Thread context. */
 void strobe_timer_set(const struct light_plan *plan);

@@ -1,15 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The supervisor feeds the watchdog as long as every watched thread reports in. A stalled one is
- * named in the log; then the watchdog bites, and the lamp is off until commanded.
+ * named in the log; then the watchdog bites, and the lamp is off until commanded. Where there is no
+ * watchdog that works the supervisor resets the board itself, and the lamp stays dark meanwhile
+ * (threads/startup.h).
+ *
+ * A thread is watched from supervisor_watch() on, before it first runs: one that hangs before its
+ * first report is late as any other. Start-up itself is watched like a thread.
  */
 #ifndef PHAROS_THREADS_SUPERVISOR_H
 #define PHAROS_THREADS_SUPERVISOR_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
-/* Watched threads, see the table in main.c. */
+/* What can be watched, see the table in main.c. */
 enum supervisor_watch {
+	SUPERVISOR_START, /* start-up, until it is complete */
 	SUPERVISOR_THERMAL,
 	SUPERVISOR_COMMAND,
 	SUPERVISOR_UART_LINK0,
@@ -28,22 +35,43 @@ enum supervisor_watch {
 #define SUPERVISOR_WATCHDOG_MS 1000
 #define SUPERVISOR_PERIOD_MS   250
 
+/*
+ * The time-out of a watchdog that runs before the firmware and cannot be set anew; a bootloader's
+ * own, where it starts one, must be at least as long as the boot takes.
+ */
+#ifdef CONFIG_IWDG_STM32_INITIAL_TIMEOUT
+#define SUPERVISOR_RUNNING_MS CONFIG_IWDG_STM32_INITIAL_TIMEOUT
+#else
+#define SUPERVISOR_RUNNING_MS CONFIG_PHAROS_WATCHDOG_RUNNING_MS
+#endif
+
 /* Firmware whose threads have all reported in for so long works. */
 #define SUPERVISOR_CONFIRM_MS 10000
 
 _Static_assert(2 * SUPERVISOR_REPORT_MS <= SUPERVISOR_LIMIT_MS, "one late report is no stall");
 _Static_assert(2 * SUPERVISOR_PERIOD_MS <= SUPERVISOR_WATCHDOG_MS, "one late feed is no bite");
 
-/* Arms the watchdog. Before the threads start; 0 or -errno of the watchdog's driver. */
-int supervisor_init(void);
+/*
+ * 0, or -errno of the watchdog's driver. The watchdog is armed, or one that runs already is taken
+ * over, before Pharos's own drivers touch their hardware: one that hangs there is bitten.
+ */
+int supervisor_start(void);
 
-/* Watch this thread from now on (its first report). Any thread, lock-free. */
+/* The watchdog's time-out in ms; 0: there is none that works. Any context. */
+uint32_t supervisor_watchdog_ms(void);
+
+/* Watch this thread from now on, or no longer. Any thread, lock-free. */
+void supervisor_watch(enum supervisor_watch watch);
+void supervisor_unwatch(enum supervisor_watch watch);
+
+/* It is well. Any thread, lock-free; nothing while it is not watched. */
 void supervisor_report(enum supervisor_watch watch);
 
-/* Milliseconds since the last report; -1: not watched. Any context. */
+/* Milliseconds since the last report, or since it is watched; -1: not watched. Any context. */
 int32_t supervisor_age_ms(enum supervisor_watch watch);
 
-const char *supervisor_name(enum supervisor_watch watch);
+/* Every watched thread has reported at least once. Any context. */
+bool supervisor_all_reported(void);
 
 /* Thread entry. */
 void supervisor_run(void *, void *, void *);

@@ -2,6 +2,8 @@
 #include "threads/thermal.h"
 
 #include <zephyr/kernel.h>
+#include <zephyr/logging/log.h>
+#include <zephyr/sys/reboot.h>
 
 #include <pharos/drivers/light.h>
 #include <pharos/drivers/thermistor.h>
@@ -9,11 +11,15 @@
 #include "threads/clock.h"
 #include "threads/command.h"
 #include "threads/devices.h"
+#include "threads/startup.h"
 #include "threads/strobe.h"
 #include "threads/supervisor.h"
 
+LOG_MODULE_REGISTER(thermal);
+
 static struct thermal thermal;
 static K_MUTEX_DEFINE(thermal_lock);
+static atomic_t sampled;
 
 static const enum thermal_sample_status status_of[] = {
 	[THERMISTOR_OK] = THERMAL_SAMPLE_OK,
@@ -24,7 +30,6 @@ static const enum thermal_sample_status status_of[] = {
 void thermal_thread_init(const struct thermal_config *config)
 {
 	thermal_init(&thermal, clock_now_us(), config);
-	light_set_limit(devices.light, thermal.report.limit_ppm);
 }
 
 void thermal_thread_configure(const struct thermal_config *config)
@@ -41,12 +46,44 @@ void thermal_thread_get(struct thermal *copy)
 	k_mutex_unlock(&thermal_lock);
 }
 
+bool thermal_thread_has_sampled(void)
+{
+	return atomic_get(&sampled) != 0;
+}
+
+/* A lamp that cannot be switched off: in a reset its pins float, and then its driver will fail. */
+static void reset_if_stuck(const struct light_state *light)
+{
+	if (light->stuck) {
+		LOG_ERR("the lamp cannot be made dark: error %d; reset", light->error);
+		light_off_now(devices.light);
+		sys_reboot(SYS_REBOOT_COLD);
+	}
+}
+
+/* Puts the limit in force. Nothing may light the lamp without watchdog or what drives it. */
+static void enforce(struct thermal_report *report)
+{
+	struct light_state light;
+
+	if (!startup_allows_light()) {
+		report->limit_ppm = 0;
+		report->dark = true;
+	}
+	/* tries again what has failed */
+	(void)light_set_limit(devices.light, report->limit_ppm);
+	light_get(devices.light, &light);
+	report->dark = report->dark || light.error != 0;
+	reset_if_stuck(&light);
+}
+
 /* One period: a converter that cannot be read gives no sample, and soon a MISSING fault. */
 static struct thermal_report sample_and_step(void)
 {
 	struct thermistor_sample reading;
 	struct thermal_sample sample = {.lit = strobe_timer_was_lit()};
-	const bool read = thermistor_sample(devices.thermistor, &reading) == 0;
+	const bool read = startup_result(STARTUP_SENSOR) == 0 &&
+	                  thermistor_sample(devices.thermistor, &reading) == 0;
 
 	if (read) {
 		sample.status = status_of[reading.status];
@@ -54,11 +91,14 @@ static struct thermal_report sample_and_step(void)
 		sample.raw = reading.raw;
 	}
 	k_mutex_lock(&thermal_lock, K_FOREVER);
-	const struct thermal_report report =
+	struct thermal_report report =
 		thermal_step(&thermal, clock_now_us(), read ? &sample : NULL);
 
-	light_set_limit(devices.light, report.limit_ppm);
+	enforce(&report);
 	k_mutex_unlock(&thermal_lock);
+	if (report.sensor == THERMAL_SENSOR_OK) {
+		atomic_set(&sampled, 1);
+	}
 	return report;
 }
 

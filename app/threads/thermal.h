@@ -10,7 +10,7 @@
 
 #define THERMAL_PERIOD_US 100000
 
-/* Before the thread starts: the limit is the safe level until the first good sample. */
+/* Before the thread starts: the lamp's limit is 0, as after each reset, until the first sample. */
 void thermal_thread_init(const struct thermal_config *config);
 
 /* In force with the next sample. Any thread. */
@@ -18,6 +18,9 @@ void thermal_thread_configure(const struct thermal_config *config);
 
 /* A copy of the whole state. Any thread. */
 void thermal_thread_get(struct thermal *copy);
+
+/* A good sample has been taken since the reset. Any context. */
+bool thermal_thread_has_sampled(void);
 
 /* Thread entry. */
 void thermal_thread_run(void *, void *, void *);

@@ -14,6 +14,7 @@
 #include "threads/command.h"
 #include "threads/devices.h"
 #include "threads/link.h"
+#include "threads/startup.h"
 #include "threads/supervisor.h"
 
 #ifdef CONFIG_PHAROS_IMC
@@ -156,7 +157,9 @@ static void uart_interrupt(const struct device *uart, void *user_data)
 
 static struct uart_link *find(uint8_t link)
 {
-	return link < UART_LINKS_MAX && devices.uart_links[link] != NULL ? &links[link] : NULL;
+	return link < UART_LINKS_MAX && startup_result(STARTUP_UART_LINK0 + link) == 0
+	               ? &links[link]
+	               : NULL;
 }
 
 /* Puts the whole frame into a queue and has it sent. False: no room. */
@@ -425,7 +428,8 @@ static bool drain(uint8_t number, struct uart_link *link)
 
 static void init_framing(struct uart_link *link, uint8_t number, const struct params *params)
 {
-	const int strap = strap_get(devices.strap, (enum strap)(STRAP_UART0_PROTOCOL + number));
+	const int strap = strap_get(startup_ready(STARTUP_STRAP, devices.strap),
+	                            (enum strap)(STRAP_UART0_PROTOCOL + number));
 	const int32_t chosen =
 		strap != STRAP_OPEN ? strap : params->values[PARAM_UART0_PROTO + number];
 
@@ -450,10 +454,10 @@ static void init_framing(struct uart_link *link, uint8_t number, const struct pa
 void uart_links_init(const struct params *params)
 {
 	for (uint8_t number = 0; number < UART_LINKS_MAX; number++) {
-		struct uart_link *const link = &links[number];
+		struct uart_link *const link = find(number);
 		const struct device *const uart = devices.uart_links[number];
 
-		if (uart == NULL) {
+		if (link == NULL) {
 			continue;
 		}
 		ring_buf_init(&link->rx, sizeof(link->rx_bytes), link->rx_bytes);
@@ -473,9 +477,6 @@ void uart_link_run(void *argument, void *p2, void *p3)
 	const uint8_t number = (uint8_t)(uintptr_t)argument;
 	struct uart_link *const link = &links[number];
 
-	if (devices.uart_links[number] == NULL) {
-		return;
-	}
 	for (uint32_t silent_us = 0;;) {
 		const bool unfinished = pending(link);
 		const k_timeout_t wait =

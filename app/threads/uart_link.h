@@ -32,7 +32,7 @@ void uart_links_init(const struct params *params);
 /* number: 0…UART_LINKS_MAX - 1. Any thread, after uart_links_init(). */
 enum uart_protocol uart_link_protocol(uint8_t number);
 
-/* Thread entry; number: 0…UART_LINKS_MAX - 1. Returns at once when the board has no such UART. */
+/* Thread entry; number: 0…UART_LINKS_MAX - 1, one that has started. */
 void uart_link_run(void *number, void *, void *);
 
 #endif

@@ -29,7 +29,8 @@ struct light_pwm_data {
 	uint32_t period_cycles; /* 0: not initialised */
 };
 
-static int write_dark(const struct device *dev)
+/* 0, or the first error; *dark: the lamp is dark nonetheless. */
+static int write_dark(const struct device *dev, bool *dark)
 {
 	const struct light_pwm_config *config = dev->config;
 	const struct light_pwm_data *data = dev->data;
@@ -43,6 +44,7 @@ static int write_dark(const struct device *dev)
 	}
 	pwm_rc = pwm_set_cycles(config->pwm.dev, config->pwm.channel, data->period_cycles, 0,
 	                        config->pwm.flags);
+	*dark = pwm_rc == 0 || (config->enable.port != NULL && enable_rc == 0);
 	return enable_rc != 0 ? enable_rc : pwm_rc;
 }
 
@@ -66,9 +68,10 @@ static int write_lit(const struct device *dev, uint32_t output_ppm)
 static int apply(const struct device *dev)
 {
 	struct light_pwm_data *data = dev->data;
-	const struct light_state *state = &data->state;
+	struct light_state *state = &data->state;
 	const uint32_t output_ppm =
 		state->gate && !state->off ? MIN(state->level_ppm, state->limit_ppm) : 0;
+	bool dark = true;
 	int rc;
 
 	if (data->period_cycles == 0) {
@@ -77,14 +80,19 @@ static int apply(const struct device *dev)
 	if (output_ppm == data->output_ppm) {
 		return 0;
 	}
-	rc = output_ppm == 0 ? write_dark(dev) : write_lit(dev, output_ppm);
-	if (rc != 0) {
-		(void)write_dark(dev);
-		data->output_ppm = OUTPUT_UNKNOWN;
-		return rc;
+	/* after an error both must have been dark before one may be lit */
+	rc = output_ppm == 0 || data->output_ppm == OUTPUT_UNKNOWN ? write_dark(dev, &dark) : 0;
+	if (rc == 0 && output_ppm != 0) {
+		rc = write_lit(dev, output_ppm);
+		if (rc != 0) {
+			(void)write_dark(dev, &dark);
+		}
 	}
-	data->output_ppm = output_ppm;
-	return 0;
+	data->output_ppm = rc == 0 ? output_ppm : OUTPUT_UNKNOWN;
+	state->stuck = !dark;
+	state->error = rc;
+	state->errors += rc != 0 ? 1 : 0;
+	return rc;
 }
 
 static int light_pwm_set_level(const struct device *dev, uint32_t level_ppm)

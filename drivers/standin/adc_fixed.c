@@ -5,6 +5,7 @@
 
 #include <zephyr/device.h>
 #include <zephyr/drivers/adc.h>
+#include <zephyr/kernel.h>
 
 #include <pharos/compat.h>
 
@@ -52,9 +53,22 @@ static int adc_fixed_read(const struct device *dev, const struct adc_sequence *s
 	return 0;
 }
 
+#ifdef CONFIG_ADC_ASYNC
+static int adc_fixed_read_async(const struct device *dev, const struct adc_sequence *sequence,
+                                struct k_poll_signal *async)
+{
+	const int rc = adc_fixed_read(dev, sequence);
+
+	return rc != 0 ? rc : k_poll_signal_raise(async, 0);
+}
+#endif
+
 static DEVICE_API(adc, adc_fixed_api) = {
 	.channel_setup = adc_fixed_channel_setup,
 	.read = adc_fixed_read,
+#ifdef CONFIG_ADC_ASYNC
+	.read_async = adc_fixed_read_async,
+#endif
 };
 
 #define ADC_FIXED_DEFINE(inst)                                                                     \

@@ -130,6 +130,15 @@ void supervisor_report(enum supervisor_watch watch)
 {
 }
 
+int startup_result(enum startup_step step)
+{
+	return 0;
+}
+
+void startup_done(enum startup_step step, int result)
+{
+}
+
 /* --- tests ------------------------------------------------------------------------------------ */
 
 static bool fits(const struct can_filter *filter, const struct can_frame *frame)

@@ -10,6 +10,8 @@
  * All ratios in ppm: 0…1 000 000. Every function: any context, including interrupts; never blocks.
  * 0 or -errno: -EINVAL: out of range, nothing changed; -EIO or what the PWM or GPIO driver gave:
  * the wish is kept and tried again with the next call, and the lamp is as dark as could be made.
+ * An enable line or a pulse of 0 suffices for that; a lamp on which neither has effect is stuck,
+ * and only a reset, in which its pins float, is left.
  */
 #ifndef PHAROS_DRIVERS_LIGHT_H_
 #define PHAROS_DRIVERS_LIGHT_H_
@@ -26,7 +28,10 @@ struct light_state {
 	uint32_t limit_ppm;  /* allowed */
 	uint32_t output_ppm; /* what the lamp does now */
 	bool gate;
-	bool off; /* light_off_now() was called: dark until the next reset */
+	bool off;        /* light_off_now() was called: dark until the next reset */
+	bool stuck;      /* it may be lit, and could not be made dark */
+	int error;       /* of the last write, -errno; 0: it had effect */
+	uint32_t errors; /* writes that failed, since the reset */
 };
 
 struct light_driver_api {

@@ -2,8 +2,9 @@
 /*
  * A temperature sensor: an NTC thermistor on an ADC input, oversampled.
  *
- * thermistor_sample(): thread context; takes a number of conversions. 0: *sample is set, whatever
- * its status. -errno of the ADC: *sample unchanged.
+ * thermistor_sample(): thread context, one thread; takes a number of conversions. 0: *sample is
+ * set, whatever its status. -errno of the ADC: *sample unchanged. -ETIMEDOUT: the ADC has not
+ * answered within 100 ms; it is not asked again before the next reset.
  */
 #ifndef PHAROS_DRIVERS_THERMISTOR_H_
 #define PHAROS_DRIVERS_THERMISTOR_H_
