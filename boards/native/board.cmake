@@ -11,6 +11,8 @@ pkg_check_modules(NETTLE REQUIRED IMPORTED_TARGET nettle)
 
 set(PHAROS_SANITIZE "" CACHE STRING "Sanitizers, as -fsanitize= takes them; empty for none")
 option(PHAROS_FUZZ "Build the libFuzzer harnesses (clang only)" OFF)
+set(PHAROS_FUZZ_ENGINE "" CACHE STRING
+  "What the harnesses are linked with, where whoever builds also says how to compile; empty: libFuzzer")
 option(PHAROS_COVERAGE "Instrument for gcov" OFF)
 
 set(CMAKE_C_STANDARD 11)
@@ -53,7 +55,7 @@ set_property(DIRECTORY ${PHAROS_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS
 # --- flags ------------------------------------------------------------------------------------
 add_library(zephyr_interface INTERFACE)
 target_compile_options(zephyr_interface INTERFACE
-  -Wall -Wextra -Werror -Wshadow -Wno-unused-parameter
+  -Wall -Wextra $<$<NOT:$<BOOL:${PHAROS_FUZZ_ENGINE}>>:-Werror> -Wshadow -Wno-unused-parameter
   $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes>
   -fno-common -fno-omit-frame-pointer
   -imacros ${GENERATED_DIR}/autoconf.h)
@@ -65,7 +67,7 @@ if(PHAROS_SANITIZE)
   add_compile_options(-fsanitize=${PHAROS_SANITIZE} -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${PHAROS_SANITIZE})
 endif()
-if(PHAROS_FUZZ)
+if(PHAROS_FUZZ AND NOT PHAROS_FUZZ_ENGINE)
   add_compile_options(-fsanitize=fuzzer-no-link)
 endif()
 if(PHAROS_COVERAGE)
