@@ -26,6 +26,9 @@ ANSWER_US = 1_000_000
 SETTLE_US = 60_000
 # Time is told no finer than this in simulated time [µs].
 STEP_US = 10_000
+# Frames of 40 bytes, more of them than the longest frame has room for; and the pause after each.
+AGAIN = 10
+AGAIN_US = 300_000
 HEARTBEAT_US = 1_000_000
 # A light of which nothing has been heard for this long has fallen silent [µs].
 SILENCE_US = 6_000_000
@@ -346,12 +349,17 @@ class Bench:
         return self.facts.capabilities
 
     def alive(self, why: str) -> None:
-        """Failed unless the light still answers: up to three times, since what came before may
-        have taken the beginning of the first."""
-        for _ in range(3):
-            if self.command(COMMAND_REQUEST_MESSAGE, MESSAGE_STATUS) is not None:
+        """Failed unless the light answers again: what came before may have taken the beginning of
+        what comes now, up to the longest frame's length."""
+        for _ in range(AGAIN):
+            self.listen(0)
+            message = self.command_message(COMMAND_REQUEST_MESSAGE, MESSAGE_STATUS)
+            self.send(message)
+            if self.acknowledgement_within(COMMAND_REQUEST_MESSAGE, AGAIN_US) is not None:
+                self.listen(SETTLE_US)
                 return
-        raise Failed(f"no answer any more {why}")
+        if self.acknowledgement_within(COMMAND_REQUEST_MESSAGE, ANSWER_US) is None:
+            raise Failed(f"no answer any more {why}")
 
 
 # --- texts ----------------------------------------------------------------------------------------

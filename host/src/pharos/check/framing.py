@@ -91,8 +91,12 @@ def handshake(bench: Bench) -> None:
     SERIALIZATION,
 )
 def truncates(bench: Bench) -> None:
-    """In MAVLink 2 no payload of more than one byte ends with a zero."""
-    for frame in frames(bench):
+    """In MAVLink 2 no payload of more than one byte ends with a zero, that of
+    COMPONENT_INFORMATION_BASIC, which most lights end with zeros, among them."""
+    bench.listen(0)
+    bench.send(bench.command_message(COMMAND_REQUEST_MESSAGE, 396))
+    answers = [bytes(h.message.get_msgbuf()) for h in bench.listen(ANSWER_US)]
+    for frame in frames(bench) + answers:
         payload = unpacked(frame)
         expect(
             frame[0] != START_2 or len(payload) == 1 or payload[-1:] != b"\0",
@@ -223,15 +227,15 @@ def compatible(bench: Bench) -> None:
     SERIALIZATION,
 )
 def garbage(bench: Bench) -> None:
-    """100 bytes of noise with the beginning of a frame in it, then commands: one of the first three
-    is answered, though the noise may have taken the beginning of the first."""
+    """100 bytes of noise that begin like the longest of frames, then ten requests: one is answered,
+    though the noise may have taken the first of them with it."""
     bench.send_raw(GARBAGE, f"{len(GARBAGE)} bytes of garbage")
     bench.alive("after garbage")
 
 
 @requirement("WR-12", Level.MUST, "goes on after half a frame", "Serialization", SERIALIZATION)
 def half_frame(bench: Bench) -> None:
-    """The first half of 'on' three times, then commands: one of the first three is answered, and
+    """The first half of 'on' three times, then commands: one of the next ten is answered, and
     the light is off."""
     bench.dim()
     frame, _ = on(bench)
@@ -291,3 +295,18 @@ def unknown_message(bench: Bench) -> None:
     bench.send_raw(with_checksum(frame, 0), "an unknown message, 0x7F1234")
     bench.send(bench.d.MAVLink_attitude_message(0, 0, 0, 0, 0, 0, 0))
     bench.alive("after unknown messages")
+
+
+@requirement(
+    "WR-16", Level.SHOULD, "finds the frames within what was none", "Serialization", SERIALIZATION
+)
+def rescans(bench: Bench) -> None:
+    """The noise of WR-11, then ten requests: at least eight are answered. Who throws away all that
+    a false beginning promised loses more."""
+    bench.send_raw(GARBAGE, f"{len(GARBAGE)} bytes of garbage")
+    answered = 0
+    for _ in range(10):
+        bench.send(bench.command_message(COMMAND_REQUEST_MESSAGE, MESSAGE_STATUS))
+        answered += len(acks(bench, COMMAND_REQUEST_MESSAGE, 100_000))
+    answered += len(acks(bench, COMMAND_REQUEST_MESSAGE, ANSWER_US))
+    expect(answered >= 8, f"{answered} of 10 requests after the garbage were answered")
