@@ -59,6 +59,7 @@ K_MSGQ_DEFINE(queue, sizeof(struct item), COMMAND_QUEUE_MAX, 8);
 
 static struct command command;
 static struct command_stats stats;
+static atomic_t running;
 static uint32_t shown_revision;
 
 /* --- performing what the core and the protocols returned -------------------------------------- */
@@ -345,9 +346,13 @@ int command_call(int (*function)(struct command *, void *), void *argument)
 	struct call call = {.function = function, .argument = argument};
 	const struct item item = {.kind = ITEM_CALL, .call = &call};
 
+	if (atomic_get(&running) == 0) {
+		return -EAGAIN;
+	}
 	k_sem_init(&call.done, 0, 1);
+	/* K_FOREVER: the supervisor watches who answers; a call cannot be taken back */
 	k_msgq_put(&queue, &item, K_FOREVER);
-	k_sem_take(&call.done, K_FOREVER);
+	k_sem_take(&call.done, K_FOREVER); /* the same */
 	return call.result;
 }
 
@@ -459,6 +464,7 @@ void command_run(void *p1, void *p2, void *p3)
 {
 	int64_t deadline_us = next_deadline_us();
 
+	atomic_set(&running, 1);
 	for (;;) {
 		const int64_t report_us = clock_now_us() + SUPERVISOR_REPORT_MS * US_PER_MS;
 		const k_timeout_t wait = clock_timeout(MIN(deadline_us, report_us));

@@ -63,7 +63,9 @@ void command_post_thermal(const struct thermal_report *report);
 
 /*
  * Runs function(command, argument) in the command thread and returns what it returned. Waits for
- * it. Any thread but the command thread.
+ * it: a command thread that does not come to it is a stall, which ends in a reset. -EAGAIN, which
+ * no function returns: the thread does not run yet, and nothing was done. Any thread but the
+ * command thread.
  */
 int command_call(int (*function)(struct command *command, void *argument), void *argument);
 

@@ -64,7 +64,7 @@ static int tell(struct command *command, void *argument)
 
 static void button_changed(bool active)
 {
-	command_call(tell, &active);
+	(void)command_call(tell, &active);
 	if (!active) {
 		return;
 	}

@@ -22,6 +22,7 @@
 #include "threads/inputs.h"
 #include "threads/link.h"
 #include "threads/reset_cause.h"
+#include "threads/shell_call.h"
 #include "threads/shell_can.h"
 #include "threads/strobe.h"
 #include "threads/thermal.h"
@@ -67,7 +68,9 @@ static int light_command(const struct shell *sh, const struct illuminator_event 
 {
 	struct light_request request = {.event = *event};
 
-	command_call(apply, &request);
+	if (!shell_call(sh, apply, &request, NULL)) {
+		return -EAGAIN;
+	}
 	if (request.verdict == ARBITER_EXCLUDED) {
 		shell_error(sh, "the shell may not command (see: param get LGT_SRC_EXCL)");
 		return -EACCES;
@@ -117,12 +120,14 @@ static int commander(struct command *command, void *argument)
 }
 
 /* The CONFIGURE event that keeps everything as it is. */
-static struct illuminator_event configure_as_is(void)
+static bool configure_as_is(const struct shell *sh, struct illuminator_event *event)
 {
 	struct illuminator now;
 
-	command_call(copy_illuminator, &now);
-	return (struct illuminator_event){
+	if (!shell_call(sh, copy_illuminator, &now, NULL)) {
+		return false;
+	}
+	*event = (struct illuminator_event){
 		.kind = ILLUMINATOR_EVENT_CONFIGURE,
 		.configure =
 			{
@@ -132,6 +137,7 @@ static struct illuminator_event configure_as_is(void)
 				.duty_ppm = now.settings.duty_ppm,
 			},
 	};
+	return true;
 }
 
 /* One number of `light set`: argv[1] into *value, scaled by 10^decimals. */
@@ -151,7 +157,11 @@ static int parse_value(const struct shell *sh, char **argv, unsigned int decimal
 
 static int cmd_light_brightness(const struct shell *sh, size_t argc, char **argv)
 {
-	struct illuminator_event event = configure_as_is();
+	struct illuminator_event event;
+
+	if (!configure_as_is(sh, &event)) {
+		return -EAGAIN;
+	}
 	const int error = parse_value(sh, argv, PPM_PER_PERCENT_DECIMALS, "percent",
 	                              &event.configure.brightness_ppm);
 
@@ -160,7 +170,11 @@ static int cmd_light_brightness(const struct shell *sh, size_t argc, char **argv
 
 static int cmd_light_period(const struct shell *sh, size_t argc, char **argv)
 {
-	struct illuminator_event event = configure_as_is();
+	struct illuminator_event event;
+
+	if (!configure_as_is(sh, &event)) {
+		return -EAGAIN;
+	}
 	const int error = parse_value(sh, argv, US_PER_S_DECIMALS, "seconds",
 	                              &event.configure.strobe_period_us);
 
@@ -169,7 +183,11 @@ static int cmd_light_period(const struct shell *sh, size_t argc, char **argv)
 
 static int cmd_light_duty(const struct shell *sh, size_t argc, char **argv)
 {
-	struct illuminator_event event = configure_as_is();
+	struct illuminator_event event;
+
+	if (!configure_as_is(sh, &event)) {
+		return -EAGAIN;
+	}
 	const int error = parse_value(sh, argv, PPM_PER_PERCENT_DECIMALS, "percent",
 	                              &event.configure.duty_ppm);
 
@@ -178,8 +196,11 @@ static int cmd_light_duty(const struct shell *sh, size_t argc, char **argv)
 
 static int cmd_light_mode(const struct shell *sh, size_t argc, char **argv)
 {
-	struct illuminator_event event = configure_as_is();
+	struct illuminator_event event;
 
+	if (!configure_as_is(sh, &event)) {
+		return -EAGAIN;
+	}
 	if (strcmp(argv[1], "internal") == 0) {
 		event.configure.mode = ILLUMINATOR_MODE_INTERNAL;
 	} else if (strcmp(argv[1], "sync") == 0) {
@@ -210,7 +231,9 @@ static int cmd_light_program(const struct shell *sh, size_t argc, char **argv)
 		            program_name(PROGRAM_SOS));
 		return -EINVAL;
 	}
-	command_call(set_program, &kind);
+	if (!shell_call(sh, set_program, &kind, NULL)) {
+		return -EAGAIN;
+	}
 	shell_print(sh, "ok");
 	return 0;
 }
@@ -230,8 +253,12 @@ static int cmd_light_status(const struct shell *sh, size_t argc, char **argv)
 	const struct inputs_status inputs = inputs_get();
 	struct illuminator now;
 	struct light_state light;
+	int source;
 
-	command_call(copy_illuminator, &now);
+	if (!shell_call(sh, commander, NULL, &source) ||
+	    !shell_call(sh, copy_illuminator, &now, NULL)) {
+		return -EAGAIN;
+	}
 	light_get(devices.light, &light);
 	shell_print(sh, "%-14s%s", "enable", now.settings.enable ? "on" : "off");
 	shell_print(sh, "%-14s%s", "mode",
@@ -250,8 +277,7 @@ static int cmd_light_status(const struct shell *sh, size_t argc, char **argv)
 	                            now.plan.program.kind == PROGRAM_NONE
 	                    ? ", but a strobe or external sync is commanded"
 	                    : "");
-	shell_print(sh, "%-14s%s", "commander",
-	            arbiter_source_name((enum arbiter_source)command_call(commander, NULL)));
+	shell_print(sh, "%-14s%s", "commander", arbiter_source_name((enum arbiter_source)source));
 	print_fixed(sh, "limit", light.limit_ppm, PPM_PER_PERCENT_DECIMALS, "% of full power");
 	print_fixed(sh, "output now", light.output_ppm, PPM_PER_PERCENT_DECIMALS,
 	            "% of full power");

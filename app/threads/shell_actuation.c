@@ -11,6 +11,7 @@
 #include "threads/actuation.h"
 #include "threads/clock.h"
 #include "threads/fixed.h"
+#include "threads/shell_call.h"
 
 /* Too large for the shell's stack; there is one shell, and it runs one command at a time. */
 static struct {
@@ -47,7 +48,9 @@ static void print_timer(const struct shell *sh, const char *what, int64_t due_us
 
 static int cmd_power_status(const struct shell *sh, size_t argc, char **argv)
 {
-	command_call(take_snapshot, NULL);
+	if (!shell_call(sh, take_snapshot, NULL, NULL)) {
+		return -EAGAIN;
+	}
 	const struct power *const power = &now.service.actuators.power;
 
 	for (uint32_t i = 0; i < imc_map_count; i++) {
@@ -86,13 +89,17 @@ static int power_command_of(const struct shell *sh, const char *name, uint32_t o
 	const struct imc_text text = {.bytes = name, .length = (uint16_t)strlen(name)};
 	const struct imc_map_row *const row = imc_map_by_name(IMC_MAP_POWER, &text);
 	struct power_request request = {.op = op};
+	int error;
 
 	if (row == NULL) {
 		shell_error(sh, "no channel '%s' (see: power status)", name);
 		return -EINVAL;
 	}
 	request.channel = row->number;
-	if (command_call(switch_power, &request) != 0) {
+	if (!shell_call(sh, switch_power, &request, &error)) {
+		return -EAGAIN;
+	}
+	if (error != 0) {
 		shell_error(sh, "refused: not on this board, or the shell may not command now");
 		return -EACCES;
 	}
@@ -128,7 +135,9 @@ SHELL_CMD_REGISTER(power, &power_commands, "Power channels", NULL);
 
 static int cmd_display(const struct shell *sh, size_t argc, char **argv)
 {
-	command_call(take_snapshot, NULL);
+	if (!shell_call(sh, take_snapshot, NULL, NULL)) {
+		return -EAGAIN;
+	}
 	const struct display *const display = &now.service.actuators.display;
 
 	if (!now.service.actuators.config.display) {
@@ -178,7 +187,9 @@ static void print_row(const struct shell *sh, const struct imc_map_row *row)
 
 static int cmd_outputs(const struct shell *sh, size_t argc, char **argv)
 {
-	command_call(take_snapshot, NULL);
+	if (!shell_call(sh, take_snapshot, NULL, NULL)) {
+		return -EAGAIN;
+	}
 	const struct imc_actuation *const service = &now.service;
 	const uint32_t *const outcomes = service->stats.outcomes;
 

@@ -9,6 +9,7 @@
 #include "threads/can_link.h"
 #include "threads/can_node.h"
 #include "threads/devices.h"
+#include "threads/shell_call.h"
 #include "threads/shell_can.h"
 
 static const char *state_name(enum can_state state)
@@ -64,7 +65,9 @@ static int cmd_can(const struct shell *sh, size_t argc, char **argv)
 		shell_error(sh, "this board has no CAN");
 		return -ENODEV;
 	}
-	command_call(copy_status, &now);
+	if (!shell_call(sh, copy_status, &now, NULL)) {
+		return -EAGAIN;
+	}
 	if (now.node_id == 0) {
 		shell_print(sh, "%-14snone yet: asking the allocator", "node id");
 	} else {

@@ -7,9 +7,9 @@
 #include <zephyr/shell/shell.h>
 
 #include "threads/clock.h"
-#include "threads/command.h"
 #include "threads/fixed.h"
 #include "threads/mavlink_node.h"
+#include "threads/shell_call.h"
 
 #define MDEG_DECIMALS 3
 
@@ -33,7 +33,9 @@ static int gimbal_command(const struct shell *sh, const struct gimbal_event *eve
 {
 	struct point_request request = {.event = *event};
 
-	command_call(point, &request);
+	if (!shell_call(sh, point, &request, NULL)) {
+		return -EAGAIN;
+	}
 	if (request.verdict == ARBITER_EXCLUDED) {
 		shell_error(sh, "the shell may not command (see: param get LGT_SRC_EXCL)");
 		return -EACCES;
@@ -123,7 +125,9 @@ static int cmd_gimbal_status(const struct shell *sh, size_t argc, char **argv)
 	struct status status;
 	const struct gimbal_node *const node = &status.node;
 
-	command_call(copy_status, &status);
+	if (!shell_call(sh, copy_status, &status, NULL)) {
+		return -EAGAIN;
+	}
 	if (!node->active) {
 		shell_error(sh, "there is no gimbal (see: param get GMB_ENABLE)");
 		return -ENODEV;

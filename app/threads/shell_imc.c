@@ -2,6 +2,8 @@
 /*
  * Shell command for the IMC node: imc.
  */
+#include <errno.h>
+
 #include <zephyr/kernel.h>
 #include <zephyr/shell/shell.h>
 
@@ -10,6 +12,7 @@
 #include "threads/imc_link.h"
 #include "threads/imc_node.h"
 #include "threads/link.h"
+#include "threads/shell_call.h"
 #include "threads/uart_link.h"
 
 /* What the shell's thread prints, as it was in the command thread. */
@@ -54,7 +57,9 @@ static int cmd_imc(const struct shell *sh, size_t argc, char **argv)
 	const struct imc_link_stats link = imc_link_stats_get();
 	struct status now;
 
-	command_call(copy_status, &now);
+	if (!shell_call(sh, copy_status, &now, NULL)) {
+		return -EAGAIN;
+	}
 	shell_print(sh, "%-14s0x%04x", "id", now.id);
 	for (uint8_t number = 0; number < UART_LINKS_MAX; number++) {
 		if (uart_link_protocol(number) == UART_PROTOCOL_IMC) {

@@ -2,11 +2,13 @@
 /*
  * Shell command: mavlink.
  */
+#include <errno.h>
+
 #include <zephyr/shell/shell.h>
 
-#include "threads/command.h"
 #include "threads/link.h"
 #include "threads/mavlink_node.h"
+#include "threads/shell_call.h"
 
 /* What the shell's thread prints, copied in the command thread. */
 struct mavlink_view {
@@ -40,7 +42,9 @@ static int cmd_mavlink(const struct shell *sh, size_t argc, char **argv)
 {
 	struct mavlink_view view;
 
-	command_call(copy_endpoint, &view);
+	if (!shell_call(sh, copy_endpoint, &view, NULL)) {
+		return -EAGAIN;
+	}
 	shell_print(sh, "%-14s%u, %s", "system id", view.system_id,
 	            mavlink_vehicle_state_name(view.vehicle.state));
 	for (uint8_t i = 0; i < view.component_count; i++) {

@@ -7,8 +7,8 @@
 
 #include <zephyr/shell/shell.h>
 
-#include "threads/command.h"
 #include "threads/fixed.h"
+#include "threads/shell_call.h"
 
 static void print_param(const struct shell *sh, const struct params *params, uint32_t index)
 {
@@ -27,12 +27,15 @@ static int copy_params(struct command *command, void *argument)
 }
 
 /* Those whose name begins with the word; how many there were. */
+/* How many, or -EAGAIN. */
 static int print_matching(const struct shell *sh, const char *word)
 {
 	struct params params;
 	int found = 0;
 
-	command_call(copy_params, &params);
+	if (!shell_call(sh, copy_params, &params, NULL)) {
+		return -EAGAIN;
+	}
 	for (uint32_t index = 0; index < PARAM_COUNT; index++) {
 		if (strncmp(params_info(index)->name, word, strlen(word)) == 0) {
 			print_param(sh, &params, index);
@@ -44,17 +47,18 @@ static int print_matching(const struct shell *sh, const char *word)
 
 static int cmd_param_list(const struct shell *sh, size_t argc, char **argv)
 {
-	print_matching(sh, "");
-	return 0;
+	return MIN(print_matching(sh, ""), 0);
 }
 
 static int cmd_param_get(const struct shell *sh, size_t argc, char **argv)
 {
-	if (print_matching(sh, argv[1]) == 0) {
+	const int found = print_matching(sh, argv[1]);
+
+	if (found == 0) {
 		shell_error(sh, "no parameter begins with '%s' (see: param list)", argv[1]);
 		return -ENOENT;
 	}
-	return 0;
+	return MIN(found, 0);
 }
 
 struct param_request {
@@ -82,11 +86,12 @@ static int cmd_param_set(const struct shell *sh, size_t argc, char **argv)
 		return -EINVAL;
 	}
 	request.value = (int32_t)value;
-	command_call(set_param, &request);
+	if (!shell_call(sh, set_param, &request, NULL)) {
+		return -EAGAIN;
+	}
 	switch (request.result) {
 	case PARAMS_OK:
-		print_matching(sh, argv[1]);
-		return 0;
+		return MIN(print_matching(sh, argv[1]), 0);
 	case PARAMS_UNKNOWN:
 		shell_error(sh, "no parameter '%s' (see: param list)", argv[1]);
 		return -ENOENT;
@@ -112,7 +117,9 @@ static int reset_params(struct command *command, void *argument)
 
 static int cmd_param_reset(const struct shell *sh, size_t argc, char **argv)
 {
-	command_call(reset_params, NULL);
+	if (!shell_call(sh, reset_params, NULL, NULL)) {
+		return -EAGAIN;
+	}
 	shell_print(sh, "all parameters are at their defaults");
 	return 0;
 }

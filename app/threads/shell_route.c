@@ -2,13 +2,15 @@
 /*
  * Shell command for what is forwarded between MAVLink links: route.
  */
+#include <errno.h>
+
 #include <zephyr/shell/shell.h>
 
 #include "threads/clock.h"
-#include "threads/command.h"
 #include "threads/fixed.h"
 #include "threads/link.h"
 #include "threads/mavlink_node.h"
+#include "threads/shell_call.h"
 
 #define MS_DECIMALS 3
 
@@ -23,7 +25,9 @@ static int copy_router(struct command *command, void *argument)
 
 static int cmd_route(const struct shell *sh, size_t argc, char **argv)
 {
-	command_call(copy_router, NULL);
+	if (!shell_call(sh, copy_router, NULL, NULL)) {
+		return -EAGAIN;
+	}
 	const int64_t now_us = clock_now_us();
 	const struct mavlink_router_stats *const stats = &router.stats;
 

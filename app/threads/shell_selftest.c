@@ -8,8 +8,8 @@
 #include <zephyr/shell/shell.h>
 
 #include "threads/clock.h"
-#include "threads/command.h"
 #include "threads/fixed.h"
+#include "threads/shell_call.h"
 
 #define PPM_PER_PERCENT_DECIMALS 4 /* 1 % = 10 000 ppm */
 #define POLL_MS                  50
@@ -71,12 +71,15 @@ static int cmd_selftest(const struct shell *sh, size_t argc, char **argv)
 {
 	struct request request = {.peak_ppm = PPM_ONE};
 	const int error = argc > 1 ? parse_peak(sh, argv[1], &request.peak_ppm) : 0;
-	enum self_test_state now;
+	int answer;
 
 	if (error != 0) {
 		return error;
 	}
-	if (command_call(begin, &request) == 0) {
+	if (!shell_call(sh, begin, &request, &answer)) {
+		return -EAGAIN;
+	}
+	if (answer == 0) {
 		if (request.obstacle == SELF_TEST_NONE) {
 			shell_error(sh,
 			            "not now: another source is in command (see: light status)");
@@ -86,9 +89,8 @@ static int cmd_selftest(const struct shell *sh, size_t argc, char **argv)
 	}
 	do {
 		k_msleep(POLL_MS);
-		now = (enum self_test_state)command_call(state, NULL);
-	} while (now == SELF_TEST_RUNNING);
-	return say_end(sh, now);
+	} while (shell_call(sh, state, NULL, &answer) && answer == SELF_TEST_RUNNING);
+	return say_end(sh, (enum self_test_state)answer);
 }
 
 SHELL_CMD_ARG_REGISTER(selftest, NULL,

@@ -14,9 +14,9 @@
 #include <pharos/compat.h>
 
 #include "threads/clock.h"
-#include "threads/command.h"
 #include "threads/fixed.h"
 #include "threads/mavlink_node.h"
+#include "threads/shell_call.h"
 
 #define KEY_DIGITS     (2 * MAVLINK_SIGNING_KEY_BYTES)
 #define STAMP_DECIMALS 5 /* a timestamp counts 10 us */
@@ -67,8 +67,9 @@ static void key_entered(const struct shell *sh)
 	} else if (any == 0) {
 		shell_error(sh, "that would be no key (see: signing off); nothing changed");
 	} else {
-		command_call(set_key, &record);
-		shell_print(sh, "signing is on");
+		if (shell_call(sh, set_key, &record, NULL)) {
+			shell_print(sh, "signing is on");
+		}
 	}
 	memset(&record, 0, sizeof(record));
 }
@@ -133,7 +134,9 @@ static int cmd_signing_off(const struct shell *sh, size_t argc, char **argv)
 {
 	struct mavlink_signing_record none = {0};
 
-	command_call(set_key, &none);
+	if (!shell_call(sh, set_key, &none, NULL)) {
+		return -EAGAIN;
+	}
 	shell_print(sh, "signing is off");
 	return 0;
 }
@@ -166,7 +169,9 @@ static int cmd_signing_status(const struct shell *sh, size_t argc, char **argv)
 	char text[FIXED_TEXT_MAX];
 	struct status now;
 
-	command_call(copy_status, &now);
+	if (!shell_call(sh, copy_status, &now, NULL)) {
+		return -EAGAIN;
+	}
 	fixed_format(
 		text,
 		(int64_t)(now.timestamp + MAVLINK_TIMESTAMP_EPOCH_S * MAVLINK_TIMESTAMP_SECOND),

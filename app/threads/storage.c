@@ -51,6 +51,7 @@ static struct {
 #endif
 } pending;
 static struct storage_stats stats;
+static int64_t writing_until_ms; /* when the write under way is one that hangs; 0: there is none */
 
 static K_THREAD_STACK_DEFINE(stack, CONFIG_PHAROS_STORAGE_STACK_SIZE);
 static struct k_work_q queue;
@@ -267,7 +268,12 @@ void storage_save_signing(const struct mavlink_signing_record *record)
 
 struct storage_stats storage_stats_get(void)
 {
-	(void)k_mutex_lock(&lock, K_FOREVER);
+	(void)k_mutex_lock(&lock, K_FOREVER); /* held for microseconds, never over a write */
+	if (writing_until_ms != 0 && k_uptime_get() >= writing_until_ms) {
+		writing_until_ms = 0;
+		stats.failures++;
+		stats.last_error = -ETIMEDOUT;
+	}
 	const struct storage_stats copy = stats;
 
 	(void)k_mutex_unlock(&lock);
@@ -278,9 +284,14 @@ struct storage_stats storage_stats_get(void)
 
 static void write_value(const char *name, const void *value, size_t length)
 {
+	begin();
+	writing_until_ms = k_uptime_get() + STORAGE_WRITE_MS;
+	end();
+
 	const int error = settings_save_one(name, value, length);
 
 	begin();
+	writing_until_ms = 0;
 	stats.writes++;
 	if (error != 0) {
 		stats.failures++;

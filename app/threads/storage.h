@@ -17,6 +17,9 @@
 #include "core/params.h"
 #include "proto/mavlink/signing.h"
 
+/* A write that takes longer counts as failed, -ETIMEDOUT; a page's erasing is in it. */
+#define STORAGE_WRITE_MS 10000
+
 struct storage_stats {
 	uint32_t writes;
 	uint32_t failures;

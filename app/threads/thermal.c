@@ -18,7 +18,7 @@
 LOG_MODULE_REGISTER(thermal);
 
 static struct thermal thermal;
-static K_MUTEX_DEFINE(thermal_lock);
+static K_MUTEX_DEFINE(thermal_lock); /* held for microseconds, never over a sample */
 static atomic_t sampled;
 
 static const enum thermal_sample_status status_of[] = {
@@ -34,14 +34,14 @@ void thermal_thread_init(const struct thermal_config *config)
 
 void thermal_thread_configure(const struct thermal_config *config)
 {
-	k_mutex_lock(&thermal_lock, K_FOREVER);
+	k_mutex_lock(&thermal_lock, K_FOREVER); /* see there */
 	thermal_configure(&thermal, config);
 	k_mutex_unlock(&thermal_lock);
 }
 
 void thermal_thread_get(struct thermal *copy)
 {
-	k_mutex_lock(&thermal_lock, K_FOREVER);
+	k_mutex_lock(&thermal_lock, K_FOREVER); /* see there */
 	*copy = thermal;
 	k_mutex_unlock(&thermal_lock);
 }
@@ -90,7 +90,7 @@ static struct thermal_report sample_and_step(void)
 		sample.temp_mdegc = reading.temp_mdegc;
 		sample.raw = reading.raw;
 	}
-	k_mutex_lock(&thermal_lock, K_FOREVER);
+	k_mutex_lock(&thermal_lock, K_FOREVER); /* see there */
 	struct thermal_report report =
 		thermal_step(&thermal, clock_now_us(), read ? &sample : NULL);
 

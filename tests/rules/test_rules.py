@@ -211,6 +211,30 @@ def test_app_never_asks_which_kernel_is_below() -> None:
     assert not wrong, "app has no conditional on the kernel or board:\n" + "\n".join(wrong)
 
 
+def _endless_waits(path: Path) -> list[str]:
+    """Waits without end without a comment, on the line or in the three above, of why they may."""
+    lines = path.read_text().splitlines()
+    code = _strip(path.read_text()).splitlines()
+    return [
+        f"  {_name(path)}:{number}: {lines[number - 1].strip()}"
+        for number, line in enumerate(code, start=1)
+        if re.search(r"\bK_FOREVER\b|\badc_read\s*\(|\bk_thread_join\s*\(", line)
+        and "/*" not in lines[number - 1]
+        and not any(above.rstrip().endswith("*/") for above in lines[number - 4 : number - 1])
+    ]
+
+
+def test_each_wait_without_end_says_why_it_may() -> None:
+    """A peripheral may never answer; adc_read() has no limit, adc_read_async() can be given one."""
+    wrong = [wait for path in _sources("app", "drivers") for wait in _endless_waits(path)]
+    assert not wrong, "waits without end, and without a comment that says why:\n" + "\n".join(wrong)
+
+
+def test_the_finder_of_endless_waits_sees_one() -> None:
+    path = ROOT / "boards" / "native" / "kernel" / "work.c"
+    assert any("K_FOREVER" in wait for wait in _endless_waits(path))
+
+
 def test_devicetree_names_stand_in_one_file_of_the_app() -> None:
     files = {
         _name(path)

@@ -68,8 +68,12 @@ def _told(light: Light) -> list[str]:
     return texts(list(light.mav.history))
 
 
+def _resets_of(sim: Simulator) -> int:
+    return int(sim.outputs()["resets"])
+
+
 def _resets(light: Light) -> int:
-    return int(light.sim.outputs()["resets"])
+    return _resets_of(light.sim)
 
 
 def _assert_dark_and_well(light: Light) -> None:
@@ -283,6 +287,36 @@ def test_a_start_that_hangs_is_bitten_and_dark(start: Start, chip: str) -> None:
     light.greet()
     assert light.on() == ACCEPTED
     assert light.level_ppm() == FULL_PPM
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["light status", "light on", "light set brightness 5", "thermal", "param list", "mavlink",
+     "link stats", "selftest", "power status", "can", "imc", "gimbal status", "display", "outputs", "route", "signing status",
+     "startup", "reset cause"],
+)  # fmt: skip
+def test_the_shell_waits_for_no_thread_that_is_not_there(start: Start, line: str) -> None:
+    sim = start({"uart0": WIRES["udp"], "console": CONSOLE})
+    sim.fault("thread", "stalled at start", name="command")
+    sim.request("reset", cause="power-on")
+    answer = Shell(sim)(line)
+    assert _resets_of(sim) == 1
+    assert answer.endswith("pharos:~$ "), answer
+    asks = line.split()[0] not in ("thermal", "link", "startup", "reset")
+    assert ("has not started" in answer) == asks
+
+
+def test_settings_that_are_never_stored_are_told_and_the_light_goes_on(start: Start) -> None:
+    light, _ = _begin(start)
+    light.sim.fault("chip", "never", name="storage")
+    set_param(light, "LGT_LOSS_MS", 5000)
+    assert light.on() == ACCEPTED
+    light.sim.advance(s=12)
+    light.mav.drain()
+    said = [t for t in texts(list(light.mav.history)) if "stored" in t]
+    assert said == ["Settings can't be stored: error -110"]
+    assert light.level_ppm() == FULL_PPM
+    assert _resets(light) == 1
 
 
 # --- what fails later -------------------------------------------------------------------------
