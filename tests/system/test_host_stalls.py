@@ -3,6 +3,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import fcntl
+import os
+import pty
 import signal
 import subprocess
 import time
@@ -29,8 +33,7 @@ class RealLight:
         self.stderr = folder / "stderr"
         self.process = subprocess.Popen(
             [str(BINARY), "--control", str(self.path), "--console", "none", *options],
-            stdin=subprocess.DEVNULL,
-            **{"stderr": self.stderr.open("ab"), **how},
+            **{"stdin": subprocess.DEVNULL, "stderr": self.stderr.open("ab"), **how},
         )
         self.control = self._connect()
 
@@ -151,3 +154,44 @@ def test_a_thread_that_really_stalls_still_bites(real: Start) -> None:
     light.until("a reset", lambda: light.outputs()["resets"] == 1)
     now = light.outputs()
     assert (now["reset_cause"], now["level_ppm"]) == ("watchdog", 0)
+
+
+# --- standard error and output that nobody reads --------------------------------------------------
+
+
+def _fill(writer: int) -> None:
+    fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, 4096)
+    os.write(writer, b"x" * 4096)
+
+
+def test_a_full_stderr_stops_nothing(real: Start) -> None:
+    reader, writer = os.pipe()
+    _fill(writer)
+    light = real(stderr=writer)
+    os.close(writer)
+    light.switch_on()
+    light.control.request("fault", device="thermistor", kind="open")
+    light.until("a safe level", lambda: 0 < light.outputs()["level_ppm"] < FULL_PPM)
+    light.outputs(reset=True)
+    light.run_for(1_500_000)
+    now = light.outputs()
+    assert (now["resets"], now["peak_ppm"]) == (0, now["limit_ppm"])
+    assert light.control.request("quit")["ok"]
+    assert light.process.wait(PATIENCE_S) == 0
+    os.close(reader)
+
+
+def test_an_unread_terminal_stops_nothing(real: Start) -> None:
+    """A shell that prints more than the terminal takes, as after Ctrl-S."""
+    master, slave = pty.openpty()
+    light = real("--console", "stdio", stdin=slave, stdout=slave, stderr=slave)
+    os.close(slave)
+    light.switch_on()
+    os.set_blocking(master, False)
+    for _ in range(2000):  # each answer is longer than a thousandth of what a terminal keeps
+        with contextlib.suppress(BlockingIOError):
+            os.write(master, b"help\n")
+        light.now_us()
+    light.run_for(1_500_000)
+    light.check_untouched()
+    os.close(master)

@@ -4,6 +4,7 @@
 
 #include "host/carry.h"
 #include "host/clock.h"
+#include "host/console.h"
 #include "host/control.h"
 #include "host/module.h"
 #include "host/prng.h"
@@ -93,6 +94,7 @@ static enum control_result run_host(struct control_call *call)
 	control_put_integer(call->reply, "stops", stops.count);
 	control_put_integer(call->reply, "stopped_us", (int64_t)stops.total_us);
 	control_put_integer(call->reply, "behind_us", (int64_t)stops.behind_us);
+	control_put_integer(call->reply, "dropped_lines", (int64_t)console_dropped());
 	return CONTROL_OK;
 }
 
@@ -220,7 +222,7 @@ static const struct control_op ops[] = {
 	{"ops", "all operations, and all devices that take faults", run_ops},
 	{"wires", "address and counters of every wire", run_wires},
 	{"host",
-         "how often and how long the host has stood still, and what of it is to be made up for",
+         "how long the host has stood still and what is to be made up for; lines it dropped",
          run_host},
 	{"fault", "device, kind, and what that device takes: injects a fault; kind none ends it",
          run_fault},

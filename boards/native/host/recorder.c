@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * --record FILE: what the board's models do, as a value change dump (IEEE 1364-2005, clause 18)
- * with a time scale of 1 us of board time. It goes on over resets.
+ * with a time scale of 1 us of board time. It goes on over resets. In real time a disk that is too
+ * slow loses changes: a comment says so, in their place, and all values follow.
  */
 #include <errno.h>
 #include <fcntl.h>
@@ -15,10 +16,13 @@
 #include "host/carry.h"
 #include "host/clock.h"
 #include "host/module.h"
+#include "host/say.h"
+#include "host/sink.h"
 #include "models/board.h"
 
 #define TEXT_SIZE      16384u
 #define LINE_SIZE      128u
+#define RING_SIZE      (1u << 20)
 #define FLUSH_AFTER_US 1000000
 
 /* Identifier codes: '!' level, '"' temperature, from '#' pulses of servos; then lines from
@@ -31,27 +35,30 @@
 #define PROBE_CODE 'a'
 
 static const char *path;
-static int fd = -1;
+static struct sink sink = SINK_INIT(-1, RING_SIZE, "pharos-record");
+static bool is_lossy; /* changes are missing since the last time mark */
 static char text[TEXT_SIZE];
 static size_t used;
 static int64_t time_us = -1; /* of the last time mark */
 static int64_t flushed_us;
 static uint32_t lines;
 
+static void check_file(void)
+{
+	const int error = sink_error(&sink);
+
+	if (sink.fd >= 0 && error != 0) {
+		host_say("--record: %s: %s; the recording ends here", path, strerror(error));
+		close(sink.fd);
+		sink.fd = -1;
+	}
+}
+
 static void flush(void)
 {
-	size_t done = 0;
-
-	while (fd >= 0 && done < used) {
-		const ssize_t n = write(fd, text + done, used - done);
-
-		if (n < 0 && errno != EINTR) {
-			fprintf(stderr, "pharos: --record: %s: %s; the recording ends here\n", path,
-			        strerror(errno));
-			close(fd);
-			fd = -1;
-		}
-		done += n > 0 ? (size_t)n : 0;
+	if (sink.fd >= 0) {
+		is_lossy = !sink_put(&sink, text, used) || is_lossy;
+		check_file();
 	}
 	used = 0;
 }
@@ -68,8 +75,17 @@ static void __attribute__((format(printf, 1, 2))) put(const char *format, ...)
 	va_end(args);
 }
 
+static void put_all(int64_t now_us, const char *command);
+
 static void put_time(int64_t now_us)
 {
+	if (is_lossy) {
+		/* from here on it is whole again, as far as it fits */
+		is_lossy = false;
+		time_us = -1;
+		put("$comment changes are missing here $end\n");
+		put_all(now_us, "$dumpall");
+	}
 	if (now_us != time_us) {
 		/* somebody may be looking at the file; in virtual time nobody waits for it */
 		if (!clock_is_virtual() && now_us - flushed_us >= FLUSH_AFTER_US) {
@@ -162,10 +178,10 @@ static void put_header(void)
 	put("$upscope $end\n$enddefinitions $end\n");
 }
 
-static void put_all(int64_t now_us)
+static void put_all(int64_t now_us, const char *command)
 {
 	put_time(now_us);
-	put("$dumpvars\n");
+	put("%s\n", command);
 	put_number(LEVEL_CODE, board.lamp.level_ppm);
 	put_temp(board.housing.temp_c);
 	for (uint32_t servo = 0; servo < BOARD_SERVO_COUNT; servo++) {
@@ -196,17 +212,17 @@ static int start(void)
 	if (path == NULL) {
 		return 0;
 	}
-	fd = open(path,
-	          O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | (carry_is_reset() ? 0 : O_TRUNC),
-	          0644);
-	if (fd < 0) {
+	sink.fd = open(path,
+	               O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | (carry_is_reset() ? 0 : O_TRUNC),
+	               0644);
+	if (sink.fd < 0) {
 		fprintf(stderr, "pharos: --record: %s: %s\n", path, strerror(errno));
 		return -1;
 	}
 	lines = board_lines_read();
 	if (!carry_is_reset()) {
 		put_header();
-		put_all((int64_t)clock_board_us());
+		put_all((int64_t)clock_board_us(), "$dumpvars");
 	}
 	board_listener = (struct board_listener){
 		.light = light_changed,
@@ -218,13 +234,22 @@ static int start(void)
 	return 0;
 }
 
+static void save(void)
+{
+	flush();
+	(void)sink_finish(&sink, HELPER_FINISH_MS);
+	check_file();
+}
+
 static void stop(void)
 {
-	if (fd >= 0) {
+	if (sink.fd >= 0) {
 		put_time((int64_t)clock_board_us());
-		flush();
-		close(fd);
-		fd = -1;
+		save();
+	}
+	if (sink.fd >= 0) {
+		close(sink.fd);
+		sink.fd = -1;
 	}
 }
 
@@ -240,6 +265,6 @@ HOST_MODULE(recorder_module) = {
 	.order = HOST_ORDER_BOARD,
 	.options = options,
 	.start = start,
-	.save = flush,
+	.save = save,
 	.stop = stop,
 };

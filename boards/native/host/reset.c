@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "host/carry.h"
 #include "host/crash.h"
@@ -99,19 +98,6 @@ _Noreturn void port_exit(int status)
 		host_stop();
 	}
 	exit(status);
-}
-
-void port_console_write(const char *text, size_t length)
-{
-	while (length > 0) {
-		const ssize_t n = write(STDERR_FILENO, text, length);
-
-		if (n <= 0) {
-			return;
-		}
-		text += n;
-		length -= (size_t)n;
-	}
 }
 
 static int start(void)

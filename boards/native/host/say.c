@@ -6,6 +6,7 @@
 #include <stdio.h>
 
 #include "host/clock.h"
+#include "kernel/port.h"
 
 enum {
 	TEXT_MAX = 256
@@ -29,6 +30,9 @@ void host_say(const char *format, ...)
 	if (taker != NULL) {
 		taker(text);
 	} else {
-		fprintf(stderr, "pharos: %s\n", text);
+		char line[TEXT_MAX + 16];
+
+		port_console_write(line,
+		                   (size_t)snprintf(line, sizeof(line), "pharos: %s\n", text));
 	}
 }

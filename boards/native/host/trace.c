@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * --trace FILE: one line per event of the kernel and its devices, "<board time in us> <kind> <name>
- * <value>". In virtual time the same seed and the same inputs give the same file.
+ * <value>". In virtual time the same seed and the same inputs give the same file. In real time a
+ * disk that is too slow loses events, in whole lines: "lost trace N" says how many, in their place.
  */
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
@@ -13,10 +15,13 @@
 #include "host/carry.h"
 #include "host/clock.h"
 #include "host/module.h"
+#include "host/say.h"
+#include "host/sink.h"
 #include "kernel/port.h"
 
 enum {
 	TRACE_BUFFER = 1 << 16,
+	TRACE_RING = 1 << 23,
 	TRACE_WORD = 64,
 	TRACE_LINE = 2 * TRACE_WORD + 48
 };
@@ -24,24 +29,46 @@ enum {
 static const char *path;
 static char text[TRACE_BUFFER];
 static size_t used;
-static int fd = -1;
+static uint64_t events; /* in text */
+static uint64_t lost;
+static struct sink sink = SINK_INIT(-1, TRACE_RING, "pharos-trace");
+
+static void close_file(void)
+{
+	close(sink.fd);
+	sink.fd = -1;
+}
+
+static void check_file(void)
+{
+	const int error = sink_error(&sink);
+
+	if (error != 0) {
+		host_say("%s: %s; the trace ends here", path, strerror(error));
+		close_file();
+	}
+}
+
+static void put_lost(void)
+{
+	char line[64];
+	const int length = snprintf(line, sizeof(line), "%" PRIu64 " lost trace %" PRIu64 "\n",
+	                            clock_board_us(), lost);
+
+	if (lost > 0 && sink_put(&sink, line, (size_t)length)) {
+		lost = 0;
+	}
+}
 
 static void flush(void)
 {
-	size_t done = 0;
-
-	while (fd >= 0 && done < used) {
-		const ssize_t n = write(fd, text + done, used - done);
-
-		if (n < 0 && errno != EINTR) {
-			fprintf(stderr, "pharos: %s: %s; the trace ends here\n", path,
-			        strerror(errno));
-			close(fd);
-			fd = -1;
-		}
-		done += n > 0 ? (size_t)n : 0;
+	put_lost();
+	if (lost > 0 || !sink_put(&sink, text, used)) {
+		lost += events;
 	}
 	used = 0;
+	events = 0;
+	check_file();
 }
 
 static void put_number(uint64_t value)
@@ -69,7 +96,7 @@ static void put_word(const char *word)
 
 void port_trace(const char *kind, const char *name, int64_t value)
 {
-	if (fd < 0) {
+	if (sink.fd < 0) {
 		return;
 	}
 	if (used > sizeof(text) - TRACE_LINE) {
@@ -84,6 +111,7 @@ void port_trace(const char *kind, const char *name, int64_t value)
 	}
 	put_number(value < 0 ? 0 - (uint64_t)value : (uint64_t)value);
 	text[used++] = '\n';
+	events++;
 }
 
 static int parse_trace(const char *value, struct host_error *error)
@@ -101,22 +129,32 @@ static int start(void)
 		return 0;
 	}
 	/* Appending, so that the events after a reset follow those before it. */
-	fd = open(path,
-	          O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | (carry_is_reset() ? 0 : O_TRUNC),
-	          0644);
-	if (fd < 0) {
+	sink.fd = open(path,
+	               O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | (carry_is_reset() ? 0 : O_TRUNC),
+	               0644);
+	if (sink.fd < 0) {
 		fprintf(stderr, "pharos: --trace: %s: %s\n", path, strerror(errno));
 		return -1;
 	}
 	return 0;
 }
 
+static void save(void)
+{
+	if (sink.fd >= 0) {
+		flush();
+	}
+	if (sink.fd >= 0) {
+		(void)sink_finish(&sink, HELPER_FINISH_MS);
+		check_file();
+	}
+}
+
 static void stop(void)
 {
-	flush();
-	if (fd >= 0) {
-		close(fd);
-		fd = -1;
+	save();
+	if (sink.fd >= 0) {
+		close_file();
 	}
 }
 
@@ -130,6 +168,6 @@ HOST_MODULE(trace_module) = {
 	.order = HOST_ORDER_BASE,
 	.options = options,
 	.start = start,
-	.save = flush,
+	.save = save,
 	.stop = stop,
 };

@@ -384,7 +384,7 @@ static int start(void)
 		wire->type->start(wire);
 		wire_describe(wire, text, sizeof(text));
 		if (!carry_is_reset() && wire->type != &wire_none && wire->type != &wire_stdio) {
-			fprintf(stderr, "pharos: %s is %s\n", wire->name, text);
+			host_say("%s is %s", wire->name, text);
 		}
 	}
 	return 0;

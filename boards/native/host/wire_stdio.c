@@ -4,8 +4,9 @@
  * output; restored at the end. Pipes and files do as well; the end of the input ends nothing,
  * unless it is "stdio:eof=exit".
  *
- * The descriptors stay blocking, since they are shared with other programs: nothing is read or
- * written before poll() or epoll said that it can be.
+ * The descriptors stay blocking, since they are shared with other programs. Nothing is read before
+ * epoll said that it can be; what is written goes through a sink (host/console.h) in real time, and
+ * in virtual time, which stands still meanwhile, waits for poll().
  */
 #include <errno.h>
 #include <poll.h>
@@ -16,6 +17,7 @@
 
 #include "host/carry.h"
 #include "host/clock.h"
+#include "host/console.h"
 #include "host/crash.h"
 #include "host/wire.h"
 #include "kernel/port.h"
@@ -25,13 +27,15 @@ enum {
 	WRITE_RETRY_MS = 10,
 	VIRTUAL_WAIT_MS = 10000, /* time stands still, so that a slow reader loses nothing */
 	BACKGROUND_MS = 500,
+	FINISH_MS = 100,
 };
 
 struct stdio {
 	bool eof_exits;
 	struct loop_source input;
-	struct loop_timer input_timer; /* in the background: the terminal is another's for now */
-	struct loop_timer output_timer;
+	struct loop_timer input_timer;  /* in the background: the terminal is another's for now */
+	struct loop_timer output_timer; /* virtual time */
+	struct sink *output;            /* real time */
 	struct buffer backlog;
 	struct stdio_carried {
 		bool is_terminal;
@@ -133,10 +137,35 @@ static bool can_write(int timeout_ms)
 	return poll(&poll_fd, 1, timeout_ms) > 0;
 }
 
+/* What does not fit in the sink waits in the backlog until that is empty. */
+static void drain_to_sink(struct stdio *stdio)
+{
+	struct buffer *backlog = &stdio->backlog;
+	size_t length = sink_room(stdio->output);
+
+	length = length < buffer_length(backlog) ? length : buffer_length(backlog);
+	if (length > 0 && sink_put(stdio->output, buffer_bytes(backlog), length)) {
+		buffer_consume(backlog, length);
+	}
+}
+
+static void on_sink_drained(void *arg, int error)
+{
+	struct wire *wire = arg;
+
+	wire->kept.counts.errors += error != 0 ? 1 : 0;
+	drain_to_sink(wire->state);
+}
+
 static void drain(struct wire *wire, int timeout_ms)
 {
 	struct stdio *stdio = wire->state;
 	struct buffer *backlog = &stdio->backlog;
+
+	if (stdio->output != NULL) {
+		drain_to_sink(stdio);
+		return;
+	}
 
 	while (buffer_length(backlog) > 0 && can_write(timeout_ms)) {
 		const size_t length = buffer_length(backlog);
@@ -154,6 +183,17 @@ static void drain(struct wire *wire, int timeout_ms)
 	}
 	if (buffer_length(backlog) > 0) {
 		loop_timer_start(&stdio->output_timer, WRITE_RETRY_MS);
+	}
+}
+
+/* The end or a reset: the last of it. */
+static void finish(struct wire *wire)
+{
+	struct stdio *stdio = wire->state;
+
+	drain(wire, FINISH_MS);
+	if (stdio->output != NULL) {
+		(void)sink_finish(stdio->output, FINISH_MS);
 	}
 }
 
@@ -175,7 +215,7 @@ static void send_all(struct wire *wire, const uint8_t *data, const uint32_t *len
 	} else {
 		wire_dropped(wire, bytes);
 	}
-	drain(wire, clock_is_virtual() ? VIRTUAL_WAIT_MS : 0);
+	drain(wire, VIRTUAL_WAIT_MS);
 }
 
 static void carry_name(char *name, size_t size, const struct wire *wire)
@@ -192,6 +232,9 @@ static void start(struct wire *wire)
 
 	stdio->input_timer = (struct loop_timer){.fire = on_input_timer, .owner = wire};
 	stdio->output_timer = (struct loop_timer){.fire = on_output_timer, .owner = wire};
+	if (!clock_is_virtual()) {
+		stdio->output = console_output(on_sink_drained, wire);
+	}
 	carry_name(name, sizeof(name), wire);
 	old = carry_get(name, &size);
 	if (old != NULL && size == sizeof(stdio->kept)) {
@@ -208,7 +251,7 @@ static void stop(struct wire *wire)
 {
 	struct stdio *stdio = wire->state;
 
-	drain(wire, 100);
+	finish(wire);
 	loop_timer_stop(&stdio->input_timer);
 	loop_timer_stop(&stdio->output_timer);
 	loop_remove(&stdio->input);
@@ -228,7 +271,7 @@ static void save(struct wire *wire)
 	struct stdio *stdio = wire->state;
 	char name[48];
 
-	drain(wire, 100);
+	finish(wire);
 	carry_name(name, sizeof(name), wire);
 	carry_put(name, &stdio->kept, sizeof(stdio->kept));
 }

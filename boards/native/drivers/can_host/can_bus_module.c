@@ -11,6 +11,7 @@
 #include "host/control.h"
 #include "host/lockstep.h"
 #include "host/module.h"
+#include "host/say.h"
 
 static const struct can_bus_type *const types[] = {&can_bus_udp, &can_bus_socketcan, &can_bus_none};
 
@@ -253,7 +254,7 @@ static int start(void)
 	can0.type->start(&can0);
 	describe(&can0, text, sizeof(text));
 	if (!carry_is_reset() && can0.type != &can_bus_none) {
-		fprintf(stderr, "pharos: can0 is %s\n", text);
+		host_say("can0 is %s", text);
 	}
 	return 0;
 }

@@ -442,8 +442,8 @@ static void try_open(struct loop_timer *timer)
 		listen_to(&udp.announcements, udp.kept.announcements_fd);
 		describe(text, sizeof(text));
 		if (!carry_is_reset()) {
-			fprintf(stderr, "pharos: imc is %s, announcements on port %u\n", text,
-			        udp.kept.discovery_port);
+			host_say("imc is %s, announcements on port %u", text,
+			         udp.kept.discovery_port);
 		}
 		return;
 	}
