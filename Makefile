@@ -11,6 +11,7 @@
 # make simulate worlds of lights, faults and attackers, from seeds: SEEDS=1:301, SEED=42 tells one,
 #              WORKERS=tcp://HOST:8786 spreads them over a Dask cluster
 # make simulate-worker SCHEDULER=tcp://HOST:8786: this machine's cores work for that cluster
+# make simulate-store power cut at every byte of the store's writes: CUTS=1000000
 # make format  lay out C and Python sources
 # make clean
 
@@ -25,10 +26,11 @@ FUZZ_RUNS ?= 10000000
 SEEDS ?= 1:301
 SEED ?=
 WORKERS ?= local
+CUTS ?= 1000000
 SCHEDULER ?=
 PYTHON = .venv/bin/python
 
-.PHONY: run test build bench picture parameters lint fuzz simulate simulate-worker format clean setup
+.PHONY: run test build bench picture parameters lint fuzz simulate simulate-worker simulate-store format clean setup
 
 build: setup
 	@test -f build/$(PRESET)/build.ninja || cmake --preset $(PRESET) --log-level=NOTICE
@@ -70,6 +72,9 @@ simulate-worker:
 	@boards/native/setup.sh test
 	@$(MAKE) --no-print-directory build
 	@PYTHONPATH=tests/sim/world .venv/bin/dask worker $(SCHEDULER) --nworkers -1 --nthreads 1
+
+simulate-store: build
+	@build/$(PRESET)/tests/sim/store_sim --cuts $(CUTS)
 
 format:
 	@git ls-files '*.c' '*.h' | xargs clang-format -i

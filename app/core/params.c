@@ -185,31 +185,90 @@ struct param_set params_reset(struct params *self)
 	return changed;
 }
 
+bool params_is_heat_limit(uint32_t index)
+{
+	return index == PARAM_THR_SHUTDOWN || index == PARAM_THR_THROTTLE ||
+	       index == PARAM_THR_RECOVER || index == PARAM_THR_FLOOR || index == PARAM_THR_SAFE ||
+	       index == PARAM_THR_SLEW;
+}
+
+static int32_t lower(int32_t a, int32_t b)
+{
+	return a < b ? a : b;
+}
+
+static int32_t higher(int32_t a, int32_t b)
+{
+	return a > b ? a : b;
+}
+
+static void mend(struct params *self, uint32_t index, int32_t value, struct param_set *mended)
+{
+	if (self->values[index] != value) {
+		self->values[index] = value;
+		param_set_add(mended, index);
+	}
+}
+
+static void mend_range(struct params *self, uint32_t index, struct param_set *mended)
+{
+	const struct param_info *const info = &table[index];
+
+	if (!in_range(index, self->values[index])) {
+		mend(self, index,
+		     params_is_heat_limit(index) && self->values[index] < info->min
+		             ? info->min
+		             : info->fallback,
+		     mended);
+	}
+}
+
+/* Temperatures that contradict each other: none of them higher than its default, and each of the
+ * limits that a warmer one contradicts is colder than that. */
+static void mend_temperatures(struct params *self, struct param_set *mended)
+{
+	const int32_t *const values = self->values;
+	/* The three have the same range, and shall have room in it. */
+	const int32_t coldest = table[PARAM_THR_RECOVER].min;
+	const int32_t shutdown =
+		lower(values[PARAM_THR_SHUTDOWN], table[PARAM_THR_SHUTDOWN].fallback);
+	const int32_t throttle =
+		lower(values[PARAM_THR_THROTTLE], table[PARAM_THR_THROTTLE].fallback);
+	const int32_t recover = lower(values[PARAM_THR_RECOVER], table[PARAM_THR_RECOVER].fallback);
+
+	mend(self, PARAM_THR_SENS_MAX, table[PARAM_THR_SENS_MAX].fallback, mended);
+	mend(self, PARAM_THR_SHUTDOWN, higher(shutdown, coldest + 2), mended);
+	mend(self, PARAM_THR_THROTTLE,
+	     higher(lower(throttle, values[PARAM_THR_SHUTDOWN] - 1), coldest + 1), mended);
+	mend(self, PARAM_THR_RECOVER, lower(recover, values[PARAM_THR_THROTTLE] - 1), mended);
+	mend(self, PARAM_THR_SENS_MIN,
+	     lower(table[PARAM_THR_SENS_MIN].fallback, values[PARAM_THR_RECOVER] - 1), mended);
+}
+
 struct param_set params_load(struct params *self, const int32_t values[PARAM_COUNT])
 {
-	struct param_set repaired = {0};
+	struct param_set mended = {0};
 
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
-		if (is_read_only(i)) {
+		if (!is_read_only(i)) {
+			self->values[i] = values[i];
+			mend_range(self, i, &mended);
+		}
+	}
+	for (uint32_t i = 0; i < RULES; i++) {
+		const struct rule *const rule = &rules[i];
+
+		if (holds(rule, self->values[rule->less], self->values[rule->more])) {
 			continue;
 		}
-		self->values[i] = values[i];
-		if (!in_range(i, values[i])) {
-			to_default(self, i, &repaired);
+		if (table[rule->less].group == PARAM_GROUP_THERMAL) {
+			mend_temperatures(self, &mended);
+		} else {
+			mend(self, rule->less, table[rule->less].fallback, &mended);
+			mend(self, rule->more, table[rule->more].fallback, &mended);
 		}
 	}
-	/* A repair may break a rule next to it; once all members are defaults, all rules hold. */
-	for (uint32_t pass = 0; pass < RULES; pass++) {
-		for (uint32_t i = 0; i < RULES; i++) {
-			const struct rule *const rule = &rules[i];
-
-			if (!holds(rule, self->values[rule->less], self->values[rule->more])) {
-				to_default(self, rule->less, &repaired);
-				to_default(self, rule->more, &repaired);
-			}
-		}
-	}
-	return repaired;
+	return mended;
 }
 
 struct param_set params_settable(void)

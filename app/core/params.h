@@ -124,10 +124,23 @@ void params_tell(struct params *self, enum param_id id, int32_t value);
 /* Back to the defaults, except read-only ones. Returns what changed. */
 struct param_set params_reset(struct params *self);
 
+/* Is a lower value of it less heat? So of temperatures, levels and slew of the supervisor. */
+bool params_is_heat_limit(uint32_t index);
+
 /*
- * A whole stored set at once, so that no order of single sets matters. A value out of range, and
- * every member of a rule that does not hold, become the default. Read-only ones stay as they are.
- * Returns what became the default.
+ * A whole stored set at once, so that no order of single sets matters; values may be self's own. A
+ * set that was stored by this firmware is taken as it is. One of another firmware's table, or what
+ * could be read of a damaged one, may have values that are out of range or at odds; then they are
+ * mended, never towards more heat:
+ *
+ * - a limit of heat below its range becomes the lowest that there is; else what is out of range
+ *   becomes its default;
+ * - temperatures at odds: each limit becomes the lower of itself and its default, and colder than
+ *   the limit above it (at the very end of the range by 2 mdegC warmer than itself); what the
+ *   sensor may show becomes the default, or begins colder than the limits;
+ * - others at odds with each other become their defaults.
+ *
+ * Read-only ones stay as they are. Returns what was mended.
  */
 struct param_set params_load(struct params *self, const int32_t values[PARAM_COUNT]);
 

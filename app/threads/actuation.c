@@ -36,7 +36,6 @@ _Static_assert(ACTUATOR_PWMS <= ACTUATORS_PWMS_MAX && ACTUATOR_LEDS <= ACTUATORS
 
 static struct imc_actuation service;
 static struct actuators_outputs done; /* what the hardware does */
-static uint8_t saved;                 /* what the store has, or will have */
 static struct actuation_stats stats;
 static int64_t refusal_log_us;
 
@@ -92,10 +91,9 @@ static void start_lines(const struct gpio_dt_spec *lines, uint32_t present, uint
 
 static struct actuators_config config_of(const struct params *params)
 {
-	const int stored = storage_load_power();
 	struct actuators_config config = {
 		.power = present_lines(actuator_devices.power, ACTUATOR_POWER_CHANNELS),
-		.power_on = stored < 0 ? POWER_DEFAULT : (uint32_t)stored,
+		.power_on = storage_load_power(POWER_DEFAULT),
 		.pwms = present_pwms(actuator_devices.pwms, ACTUATOR_PWMS),
 		.leds = present_pwms(actuator_devices.leds, ACTUATOR_LEDS),
 		.gpio_outputs = present_lines(actuator_devices.gpio_outputs, ACTUATOR_GPIO_OUTPUTS),
@@ -120,7 +118,6 @@ struct imc_actuation *actuation_start(struct command *command)
 
 	imc_actuation_init(&service, clock_now_us(), &config, gimbal_node_is_active(command),
 	                   &command->illuminator, &command->arbiter);
-	saved = (uint8_t)service.actuators.power.saved;
 	done.power = service.actuators.power.on;
 	start_lines(actuator_devices.power, config.power, done.power, false);
 	start_lines(actuator_devices.gpio_outputs, config.gpio_outputs, 0, false);
@@ -345,16 +342,6 @@ static void perform_aim(struct command *command)
 	}
 }
 
-static void perform_save(void)
-{
-	const uint8_t wanted = (uint8_t)service.actuators.power.saved;
-
-	if (wanted != saved) {
-		saved = wanted;
-		storage_save_power(wanted);
-	}
-}
-
 static const char *outcome_text(enum imc_actuation_outcome outcome)
 {
 	switch (outcome) {
@@ -394,7 +381,7 @@ void actuation_perform(struct command *command)
 	perform_lamp(&service.effects.power);
 	perform_aim(command);
 	perform_outputs();
-	perform_save();
+	storage_save_power((uint8_t)service.actuators.power.saved); /* if it is another one */
 	log_refusal();
 }
 

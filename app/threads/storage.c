@@ -1,4 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Zephyr's settings hold two records of core/store, "pharos/0" and "pharos/1":
+ *
+ *   command thread          storage's thread
+ *   storage_save_…  ──lock──▶ struct store ──lock──▶ record ──▶ settings_save_one()
+ *                                  deadline ──▶ save_work
+ *
+ * The lock is held while a record is put together, never while it is written. Up to version 0.1
+ * each value was one of its own ("pharos/param/NAME", "pharos/light", …). Where there is no record
+ * yet they are read; once there is one they are deleted.
+ */
 #include "threads/storage.h"
 
 #include <errno.h>
@@ -9,23 +20,97 @@
 #include <zephyr/settings/settings.h>
 #include <zephyr/sys/printk.h>
 
-#include "core/settle.h"
+#include "core/store.h"
 #include "threads/clock.h"
 
 LOG_MODULE_REGISTER(storage);
 
-#define SUBTREE         "pharos"
-#define LIGHT_NAME      SUBTREE "/light"
-#define POWER_NAME      SUBTREE "/power"
-#define SIGNING_NAME    SUBTREE "/signing"
-#define PARAM_PREFIX    SUBTREE "/param/"
-#define STORED_NAME_MAX (sizeof(PARAM_PREFIX) + PARAMS_NAME_MAX)
+#define SUBTREE      "pharos"
+#define OLD_LIGHT    "light"
+#define OLD_POWER    "power"
+#define OLD_SIGNING  "signing"
+#define OLD_PARAM    "param"
+#define NAME_MAX_OLD (sizeof(SUBTREE "/" OLD_PARAM "/") + PARAMS_NAME_MAX)
 
 /* Below all that must be in time: a page of flash takes tens of milliseconds to erase. */
 #define STORAGE_PRIORITY 10
 
-/* How the settings lie in the store: little endian on every target, versioned by its length. */
-struct stored_light {
+static K_MUTEX_DEFINE(lock);
+static struct store store;         /* under the lock */
+static struct storage_stats stats; /* under the lock */
+/* When the write under way is one that hangs; 0: there is none. Under the lock. */
+static int64_t writing_until_ms;
+static uint8_t record[STORE_RECORD_MAX];
+
+static K_THREAD_STACK_DEFINE(stack, CONFIG_PHAROS_STORAGE_STACK_SIZE);
+static struct k_work_q queue;
+static void save(struct k_work *work);
+static K_WORK_DELAYABLE_DEFINE(save_work, save);
+
+/* Values of the old layout that there are. */
+static struct {
+	struct param_set params;
+	bool light;
+	bool power;
+	bool signing;
+} old;
+
+/* --- load ------------------------------------------------------------------------------------- */
+
+struct loading {
+	bool salvage;  /* what reads of the records, since none reads whole */
+	uint8_t found; /* records */
+	uint8_t whole;
+};
+
+static void load_record(struct loading *loading, uint8_t slot, settings_read_cb read, void *arg)
+{
+	const ssize_t count = read(arg, record, sizeof(record));
+	const size_t length = count > 0 ? (size_t)count : 0;
+
+	if (loading->salvage) {
+		store_salvage(&store, record, length);
+		return;
+	}
+	loading->found++;
+	loading->whole += store_offer(&store, slot, record, length) ? 1 : 0;
+}
+
+/* "0" or "1". */
+static int load_one(const char *key, size_t length, settings_read_cb read, void *arg, void *param)
+{
+	if (key != NULL && key[0] >= '0' && key[0] < '0' + (char)STORE_SLOTS && key[1] == '\0') {
+		load_record(param, (uint8_t)(key[0] - '0'), read, arg);
+	}
+	return 0;
+}
+
+static bool read_exactly(settings_read_cb read, void *arg, size_t length, void *value, size_t size)
+{
+	if (length == size && read(arg, value, size) == (ssize_t)size) {
+		return true;
+	}
+	stats.refused++;
+	return false;
+}
+
+static void load_old_param(const char *name, size_t length, settings_read_cb read, void *arg)
+{
+	const uint32_t index = params_find(name, strlen(name));
+	int32_t value;
+
+	if (index == PARAM_COUNT) {
+		stats.refused++;
+		return;
+	}
+	param_set_add(&old.params, index);
+	if (read_exactly(read, arg, length, &value, sizeof(value))) {
+		store.state.params.values[index] = value;
+	}
+}
+
+/* As it lies in the old store, little endian on every target. */
+struct old_light {
 	uint32_t brightness_ppm;
 	uint32_t strobe_period_us;
 	uint32_t duty_ppm;
@@ -34,187 +119,136 @@ struct stored_light {
 	uint8_t reserved[2];
 };
 
-/* What is to be written; read and changed under the lock. */
-static K_MUTEX_DEFINE(lock);
-static struct {
-	struct param_set params;
-	int32_t values[PARAM_COUNT];
-	struct settle light;
-	struct stored_light settings;
-#ifdef CONFIG_PHAROS_IMC
-	bool power;
-	uint8_t power_mask;
-#endif
-#ifdef CONFIG_PHAROS_SIGNING
-	bool signing;
-	struct mavlink_signing_record record;
-#endif
-} pending;
-static struct storage_stats stats;
-static int64_t writing_until_ms; /* when the write under way is one that hangs; 0: there is none */
-
-static K_THREAD_STACK_DEFINE(stack, CONFIG_PHAROS_STORAGE_STACK_SIZE);
-static struct k_work_q queue;
-static void save(struct k_work *work);
-static K_WORK_DELAYABLE_DEFINE(save_work, save);
-
-/* --- load ------------------------------------------------------------------------------------- */
-
-struct loading {
-	int32_t values[PARAM_COUNT];
-	struct stored_light light;
-	bool has_light;
-};
-
-static int load_param(struct loading *loading, const char *name, size_t length,
-                      settings_read_cb read, void *arg)
+static void load_old_light(size_t length, settings_read_cb read, void *arg)
 {
-	const uint32_t index = params_find(name, strlen(name));
-	int32_t value;
+	struct old_light light;
 
-	if (index == PARAM_COUNT || length != sizeof(value) ||
-	    read(arg, &value, sizeof(value)) != (ssize_t)sizeof(value)) {
-		stats.refused++;
-		return 0;
+	old.light = true;
+	store.state.has_light = read_exactly(read, arg, length, &light, sizeof(light));
+	if (store.state.has_light) {
+		store.state.light = (struct illuminator_settings){
+			.enable = light.enable != 0,
+			.mode = (enum illuminator_mode)light.mode,
+			.brightness_ppm = light.brightness_ppm,
+			.strobe_period_us = light.strobe_period_us,
+			.duty_ppm = light.duty_ppm,
+		};
 	}
-	loading->values[index] = value;
+}
+
+static int load_old(const char *key, size_t length, settings_read_cb read, void *arg, void *param)
+{
+	struct store_state *const state = &store.state;
+	const char *rest;
+
+	if (settings_name_steq(key, OLD_PARAM, &rest) && rest != NULL) {
+		load_old_param(rest, length, read, arg);
+	} else if (settings_name_steq(key, OLD_LIGHT, NULL)) {
+		load_old_light(length, read, arg);
+	} else if (settings_name_steq(key, OLD_POWER, NULL)) {
+		old.power = true;
+		state->has_power = read_exactly(read, arg, length, &state->power, 1);
+	} else if (settings_name_steq(key, OLD_SIGNING, NULL)) {
+		old.signing = true;
+		state->has_signing =
+			read_exactly(read, arg, length, state->signing, sizeof(state->signing));
+	}
 	return 0;
 }
 
-static int load_one(const char *key, size_t length, settings_read_cb read, void *arg, void *param)
+static bool old_is_there(void)
 {
-	struct loading *const loading = param;
-	const char *rest;
+	return !param_set_is_empty(&old.params) || old.light || old.power || old.signing;
+}
 
-	if (settings_name_steq(key, "param", &rest) && rest != NULL) {
-		return load_param(loading, rest, length, read, arg);
+/* First what is old: a whole record takes its place, and what still reads of a broken one lowers
+ * it. */
+static int load_all(void)
+{
+	struct loading loading = {.salvage = false};
+	int error = settings_subsys_init();
+
+	if (error == 0) {
+		error = settings_load_subtree_direct(SUBTREE, load_old, NULL);
 	}
-	if (settings_name_steq(key, "light", &rest) && rest == NULL &&
-	    length == sizeof(loading->light)) {
-		loading->has_light = read(arg, &loading->light, length) == (ssize_t)length;
+	if (error == 0) {
+		error = settings_load_subtree_direct(SUBTREE, load_one, &loading);
 	}
-	return 0;
+	if (error == 0 && loading.whole == 0 && loading.found > 0) {
+		loading.salvage = true;
+		error = settings_load_subtree_direct(SUBTREE, load_one, &loading);
+	}
+	if (loading.found > loading.whole) {
+		LOG_ERR("%u of %u records cannot be read", loading.found - loading.whole,
+		        loading.found);
+		stats.refused += loading.found - loading.whole;
+	}
+	if (loading.found > loading.whole || (loading.whole == 0 && old_is_there())) {
+		store_touch(&store, 0);
+	}
+	return error;
 }
 
 int storage_load(struct params *params, struct illuminator_settings *light, bool *has_light)
 {
-	struct loading loading = {.has_light = false};
-	int error = settings_subsys_init();
+	store_init(&store);
+	memset(&old, 0, sizeof(old));
 
-	memcpy(loading.values, params->values, sizeof(loading.values));
-	if (error == 0) {
-		error = settings_load_subtree_direct(SUBTREE, load_one, &loading);
-	}
+	const int error = load_all();
+	const struct param_set mended = store_check(&store);
+
 	if (error != 0) {
 		LOG_ERR("cannot load: error %d; defaults apply", error);
 		stats.last_error = error;
 		stats.failures++;
-		*has_light = false;
-		return error;
 	}
-	const struct param_set refused = params_load(params, loading.values);
-
 	for (uint32_t index = 0; index < PARAM_COUNT; index++) {
-		if (param_set_has(&refused, index)) {
-			LOG_WRN("stored %s does not fit; default applies",
-			        params_info(index)->name);
+		if (param_set_has(&mended, index)) {
+			LOG_WRN("stored %s does not fit; it is %d now", params_info(index)->name,
+			        store.state.params.values[index]);
 			stats.refused++;
 		}
 	}
-	*has_light = loading.has_light;
-	*light = (struct illuminator_settings){
-		.enable = loading.light.enable != 0,
-		.mode = (enum illuminator_mode)loading.light.mode,
-		.brightness_ppm = loading.light.brightness_ppm,
-		.strobe_period_us = loading.light.strobe_period_us,
-		.duty_ppm = loading.light.duty_ppm,
-	};
-	return 0;
+	*params = store.state.params;
+	*has_light = store.state.has_light;
+	*light = store.state.light;
+	return error;
 }
 
 #ifdef CONFIG_PHAROS_IMC
-static int load_power(const char *key, size_t length, settings_read_cb read, void *arg, void *param)
+uint8_t storage_load_power(uint8_t fallback)
 {
-	uint8_t mask;
-
-	if (key == NULL && length == sizeof(mask) && read(arg, &mask, length) == (ssize_t)length) {
-		*(int *)param = mask;
+	if (!store.state.has_power) {
+		store.state.power = fallback;
 	}
-	return 0;
-}
-
-int storage_load_power(void)
-{
-	int mask = -1;
-	const int error = settings_load_subtree_direct(POWER_NAME, load_power, &mask);
-
-	if (error != 0) {
-		LOG_ERR("cannot load the power channels: error %d; defaults apply", error);
-		stats.last_error = error;
-		stats.failures++;
-	}
-	return mask;
+	return store.state.power;
 }
 #endif
 
 #ifdef CONFIG_PHAROS_SIGNING
 /* As it lies in the store: little endian on every target, without gaps. */
-_Static_assert(sizeof(struct mavlink_signing_record) == 40, "timestamp and key");
+_Static_assert(sizeof(struct mavlink_signing_record) == STORE_SIGNING_BYTES, "timestamp and key");
 
-static int load_signing(const char *key, size_t length, settings_read_cb read, void *arg,
-                        void *param)
+void storage_load_signing(struct mavlink_signing_record *signing)
 {
-	struct mavlink_signing_record record;
-
-	if (key != NULL) {
-		return 0;
-	}
-	if (length == sizeof(record) && read(arg, &record, length) == (ssize_t)length) {
-		*(struct mavlink_signing_record *)param = record;
-	} else {
-		stats.refused++;
-	}
-	return 0;
-}
-
-void storage_load_signing(struct mavlink_signing_record *record)
-{
-	memset(record, 0, sizeof(*record));
-
-	const int error = settings_load_subtree_direct(SIGNING_NAME, load_signing, record);
-
-	if (error != 0) {
-		LOG_ERR("cannot load the signing key: error %d; there is none", error);
-		stats.last_error = error;
-		stats.failures++;
+	memset(signing, 0, sizeof(*signing));
+	if (store.state.has_signing) {
+		memcpy(signing, store.state.signing, sizeof(*signing));
 	}
 }
 #endif
 
 /* --- save ------------------------------------------------------------------------------------- */
 
-/* Under the lock. The light settles; nothing else waits for it. */
-static int64_t deadline_us(void)
-{
-	bool now = !param_set_is_empty(&pending.params);
-
-#ifdef CONFIG_PHAROS_IMC
-	now = now || pending.power;
-#endif
-#ifdef CONFIG_PHAROS_SIGNING
-	now = now || pending.signing;
-#endif
-	return now ? 0 : settle_deadline_us(&pending.light);
-}
-
 static void begin(void)
 {
 	(void)k_mutex_lock(&lock, K_FOREVER); /* held for microseconds, never over a write */
 }
 
+/* And whatever waits now is written in time. */
 static void end(void)
 {
-	const int64_t due_us = deadline_us();
+	const int64_t due_us = store_deadline_us(&store);
 
 	(void)k_mutex_unlock(&lock);
 	if (due_us != TIME_NEVER_US) {
@@ -227,22 +261,14 @@ static void end(void)
 void storage_save_params(const struct params *params, const struct param_set *changed)
 {
 	begin();
-	param_set_merge(&pending.params, changed);
-	memcpy(pending.values, params->values, sizeof(pending.values));
+	store_params(&store, clock_now_us(), params, changed);
 	end();
 }
 
 void storage_save_light(const struct illuminator_settings *light)
 {
 	begin();
-	settle_change(&pending.light, clock_now_us());
-	pending.settings = (struct stored_light){
-		.brightness_ppm = light->brightness_ppm,
-		.strobe_period_us = light->strobe_period_us,
-		.duty_ppm = light->duty_ppm,
-		.mode = (uint8_t)light->mode,
-		.enable = light->enable,
-	};
+	store_light(&store, clock_now_us(), light);
 	end();
 }
 
@@ -250,25 +276,23 @@ void storage_save_light(const struct illuminator_settings *light)
 void storage_save_power(uint8_t mask)
 {
 	begin();
-	pending.power = true;
-	pending.power_mask = mask;
+	store_power(&store, clock_now_us(), mask);
 	end();
 }
 #endif
 
 #ifdef CONFIG_PHAROS_SIGNING
-void storage_save_signing(const struct mavlink_signing_record *record)
+void storage_save_signing(const struct mavlink_signing_record *signing)
 {
 	begin();
-	pending.signing = true;
-	pending.record = *record;
+	store_signing(&store, clock_now_us(), (const uint8_t *)signing);
 	end();
 }
 #endif
 
 struct storage_stats storage_stats_get(void)
 {
-	(void)k_mutex_lock(&lock, K_FOREVER); /* held for microseconds, never over a write */
+	begin();
 	if (writing_until_ms != 0 && k_uptime_get() >= writing_until_ms) {
 		writing_until_ms = 0;
 		stats.failures++;
@@ -282,16 +306,15 @@ struct storage_stats storage_stats_get(void)
 
 /* --- storage's thread ------------------------------------------------------------------------- */
 
-static void write_value(const char *name, const void *value, size_t length)
+/* An error is counted and logged; people are told of it by who looks at the counters. */
+static int write_record(uint8_t slot, size_t length)
 {
-	begin();
-	writing_until_ms = k_uptime_get() + STORAGE_WRITE_MS;
-	end();
-
-	const int error = settings_save_one(name, value, length);
+	const char name[] = {'p', 'h', 'a', 'r', 'o', 's', '/', (char)('0' + slot), '\0'};
+	const int error = settings_save_one(name, record, length);
 
 	begin();
 	writing_until_ms = 0;
+	store_done(&store, clock_now_us(), error == 0);
 	stats.writes++;
 	if (error != 0) {
 		stats.failures++;
@@ -301,78 +324,48 @@ static void write_value(const char *name, const void *value, size_t length)
 	if (error != 0) {
 		LOG_ERR("cannot write %s: error %d", name, error);
 	}
+	return error;
 }
 
-/* Writes one pending parameter; false: there is none. */
-static bool write_param(void)
+/* What was converted, now that the record of it is there. */
+static void delete_old(void)
 {
-	begin();
-	const uint32_t index = param_set_take(&pending.params);
-	const int32_t value = index < PARAM_COUNT ? pending.values[index] : 0;
+	char name[NAME_MAX_OLD];
 
-	end();
-	if (index == PARAM_COUNT) {
-		return false;
+	for (uint32_t i = param_set_take(&old.params); i < PARAM_COUNT;
+	     i = param_set_take(&old.params)) {
+		snprintk(name, sizeof(name), SUBTREE "/" OLD_PARAM "/%s", params_info(i)->name);
+		(void)settings_delete(name);
 	}
-	char name[STORED_NAME_MAX];
-
-	snprintk(name, sizeof(name), PARAM_PREFIX "%s", params_info(index)->name);
-	write_value(name, &value, sizeof(value));
-	return true;
-}
-
-static void write_signing(void)
-{
-#ifdef CONFIG_PHAROS_SIGNING
-	begin();
-	const bool wanted = pending.signing;
-	const struct mavlink_signing_record record = pending.record;
-
-	pending.signing = false;
-	end();
-	if (wanted) {
-		write_value(SIGNING_NAME, &record, sizeof(record));
+	if (old.light) {
+		(void)settings_delete(SUBTREE "/" OLD_LIGHT);
 	}
-#endif
-}
-
-static void write_power(void)
-{
-#ifdef CONFIG_PHAROS_IMC
-	begin();
-	const bool wanted = pending.power;
-	const uint8_t mask = pending.power_mask;
-
-	pending.power = false;
-	end();
-	if (wanted) {
-		write_value(POWER_NAME, &mask, sizeof(mask));
+	if (old.power) {
+		(void)settings_delete(SUBTREE "/" OLD_POWER);
 	}
-#endif
-}
-
-static void write_light(void)
-{
-	begin();
-	const bool wanted = settle_deadline_us(&pending.light) <= clock_now_us();
-	const struct stored_light light = pending.settings;
-
-	if (wanted) {
-		settle_write(&pending.light, clock_now_us());
+	if (old.signing) {
+		(void)settings_delete(SUBTREE "/" OLD_SIGNING);
 	}
-	end();
-	if (wanted) {
-		write_value(LIGHT_NAME, &light, sizeof(light));
-	}
+	memset(&old, 0, sizeof(old));
 }
 
 static void save(struct k_work *work)
 {
-	write_signing();
-	write_power();
-	while (write_param()) {
+	uint8_t slot;
+	int error = 0;
+
+	begin();
+	const size_t length = store_begin(&store, clock_now_us(), record, &slot);
+	const bool is_stored = store.sequence != 0;
+
+	writing_until_ms = length > 0 ? k_uptime_get() + STORAGE_WRITE_MS : 0;
+	end();
+	if (length > 0) {
+		error = write_record(slot, length);
 	}
-	write_light();
+	if (old_is_there() && error == 0 && (is_stored || length > 0)) {
+		delete_old();
+	}
 }
 
 void storage_submit(struct k_work *work)
@@ -385,6 +378,5 @@ void storage_start(void)
 	static const struct k_work_queue_config config = {.name = "storage"};
 
 	k_work_queue_start(&queue, stack, K_THREAD_STACK_SIZEOF(stack), STORAGE_PRIORITY, &config);
-	begin();
-	end(); /* what came before */
+	(void)k_work_reschedule_for_queue(&queue, &save_work, K_NO_WAIT); /* what came before */
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What survives a power cut: parameters, the signing key and, if LGT_RESTORE says so, the last
- * commanded settings.
- * Writing happens in a low-priority thread, after the answer; each value is written whole or not at
- * all (Zephyr settings). Writes of one value that come faster than the store takes them are one.
+ * What survives a power cut: parameters, the signing key, the power channels and, if LGT_RESTORE
+ * says so, the last commanded settings. The rules are core/store's: what one call here gives is
+ * stored together, and in the order of the calls. It is written in storage's thread, after the
+ * answer.
  */
 #ifndef PHAROS_THREADS_STORAGE_H
 #define PHAROS_THREADS_STORAGE_H
@@ -23,38 +23,38 @@
 struct storage_stats {
 	uint32_t writes;
 	uint32_t failures;
-	uint32_t refused; /* stored values that do not fit the table (any more); defaults apply */
+	uint32_t refused; /* stored values and records that do not fit or cannot be read */
 	int32_t last_error;
 };
 
 /*
- * Before the threads start. Puts the stored parameters over those in *params; *light and
- * *has_light: the last commanded settings. 0, or -errno of the store: the defaults stay.
+ * Before the threads start. *params: the stored parameters, else the defaults; *light and
+ * *has_light: the last commanded settings. 0, or -errno of the store: what could be read applies.
  */
 int storage_load(struct params *params, struct illuminator_settings *light, bool *has_light);
 
-/* Write the parameters of the mask, as they are now. Command thread. */
+/* The parameters of the set were accepted together, as they are now. Command thread. */
 void storage_save_params(const struct params *params, const struct param_set *changed);
 
-/* Write the settings, once they have settled (core/settle.h). Command thread. */
+/* The settings were accepted; written once they have settled. Command thread. */
 void storage_save_light(const struct illuminator_settings *light);
 
 #ifdef CONFIG_PHAROS_IMC
-/* The power channels that are on after a start, as a mask, or -1: never saved. After
+/* The power channels that are on after a start, as a mask; fallback: nobody has saved any. After
  * storage_load().
  */
-int storage_load_power(void);
+uint8_t storage_load_power(uint8_t fallback);
 
-/* Write them. Command thread. */
+/* They were accepted. The mask that is stored already costs nothing. Command thread. */
 void storage_save_power(uint8_t mask);
 #endif
 
 #ifdef CONFIG_PHAROS_SIGNING
 /* The signing key and timestamp of the last run; all zero: none. After storage_load(). */
-void storage_load_signing(struct mavlink_signing_record *record);
+void storage_load_signing(struct mavlink_signing_record *signing);
 
-/* Write them: one value, so never one without the other. Command thread. */
-void storage_save_signing(const struct mavlink_signing_record *record);
+/* They were accepted. Command thread. */
+void storage_save_signing(const struct mavlink_signing_record *signing);
 #endif
 
 /* Any thread. */

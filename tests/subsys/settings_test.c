@@ -244,7 +244,7 @@ ZTEST(settings, test_save_while_loading_is_refused)
 ZTEST(settings, test_bad_arguments)
 {
 	char name[SETTINGS_RECORD_NAME_MAX + 2];
-	static const char value[SETTINGS_MAX_VAL_LEN + 1];
+	static const char value[SETTINGS_RECORD_VALUE_MAX + 1];
 
 	memset(name, 'n', sizeof(name) - 1);
 	name[sizeof(name) - 1] = '\0';
@@ -271,7 +271,7 @@ ZTEST(settings, test_torn_write_leaves_the_old_value)
 	for (uint64_t cut = 0; cut < 26; cut++) {
 		before(NULL);
 		zassert_equal(settings_save_one("light/label", "old", 3), 0);
-		settings_host_tear(cut);
+		settings_host_tear(cut, 1);
 		zassert_equal(settings_save_one("light/label", "new", 3), -EIO);
 		/* Power is off: */
 		zassert_equal(settings_save_one("light/label", "two", 3), -EIO);
@@ -283,7 +283,7 @@ ZTEST(settings, test_torn_write_leaves_the_old_value)
 	}
 	before(NULL);
 	zassert_equal(settings_save_one("light/label", "old", 3), 0);
-	settings_host_tear(26);
+	settings_host_tear(32, 1);
 	zassert_equal(settings_save_one("light/label", "new", 3), 0);
 	restart();
 	zassert_equal(settings_load(), 0);

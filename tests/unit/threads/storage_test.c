@@ -10,6 +10,7 @@
 #include <zephyr/settings/settings.h>
 #include <zephyr/ztest.h>
 
+#include "subsys/settings/settings_medium.h"
 #include "subsys/settings/settings_store.h"
 
 static struct params params;
@@ -87,7 +88,14 @@ static void *setup(void)
 /* What earlier tests have written, and how often, is past. */
 static void before(void *fixture)
 {
+	struct illuminator_settings light;
+	bool has_light;
+
 	k_sleep(K_HOURS(1));
+	zassert_equal(settings_delete("pharos/0"), 0);
+	zassert_equal(settings_delete("pharos/1"), 0);
+	params_init(&params);
+	zassert_equal(storage_load(&params, &light, &has_light), 0);
 }
 
 ZTEST_SUITE(storage, NULL, setup, before, NULL, NULL);
@@ -154,4 +162,176 @@ ZTEST(storage, test_work_of_others_does_not_wait_for_the_light)
 	storage_submit(&work);
 	k_sleep(K_MSEC(100));
 	zassert_within(ran_at_ms, now_ms, 1);
+}
+
+/* --- what version 0.1 has stored: a value of its own for each --------------------------------- */
+
+static const struct {
+	const char *name;
+	enum param_id id;
+	int32_t value;
+} old_params[] = {
+	{"pharos/param/THR_RECOVER", PARAM_THR_RECOVER, 30000},
+	{"pharos/param/THR_THROTTLE", PARAM_THR_THROTTLE, 40000},
+	{"pharos/param/THR_SHUTDOWN", PARAM_THR_SHUTDOWN, 50000},
+	{"pharos/param/CAN_LIGHT_ID", PARAM_CAN_LIGHT_ID, -1},
+};
+/* 40 %, 0.5 s, 10 %, internal, on */
+static const uint8_t old_light[16] = {0x80, 0x1a, 0x06, 0x00, 0x20, 0xa1, 0x07, 0x00,
+                                      0xa0, 0x86, 0x01, 0x00, 1,    1,    0,    0};
+static const uint8_t old_power = 0x0b;
+static const struct mavlink_signing_record old_signing = {.timestamp = 1, .key = {2, 3, 4}};
+
+static void put_old(void)
+{
+	zassert_equal(settings_delete("pharos/0"), 0);
+	zassert_equal(settings_delete("pharos/1"), 0);
+	for (size_t i = 0; i < ARRAY_SIZE(old_params); i++) {
+		zassert_equal(settings_save_one(old_params[i].name, &old_params[i].value, 4), 0);
+	}
+	zassert_equal(settings_save_one("pharos/light", old_light, sizeof(old_light)), 0);
+	zassert_equal(settings_save_one("pharos/power", &old_power, 1), 0);
+	zassert_equal(settings_save_one("pharos/signing", &old_signing, sizeof(old_signing)), 0);
+}
+
+/* As after a reset. */
+static void reset(void)
+{
+	settings_host_heal();
+	settings_store_close();
+	zassert_equal(settings_subsys_init(), 0);
+}
+
+static bool is_taken_over(void)
+{
+	struct mavlink_signing_record signing;
+	struct illuminator_settings light;
+	bool has_light;
+	bool same = true;
+
+	zassert_equal(storage_load(&params, &light, &has_light), 0);
+	for (size_t i = 0; i < ARRAY_SIZE(old_params); i++) {
+		same = same && params.values[old_params[i].id] == old_params[i].value;
+	}
+	storage_load_signing(&signing);
+	return same && has_light && light.brightness_ppm == 400000 &&
+	       light.strobe_period_us == 500000 && light.duty_ppm == 100000 && light.enable &&
+	       storage_load_power(7) == old_power &&
+	       memcmp(&signing, &old_signing, sizeof(signing)) == 0;
+}
+
+/* Nothing has changed, but what waits is looked after. */
+static void let_it_write(void)
+{
+	const struct param_set nothing = {0};
+
+	storage_save_params(&params, &nothing);
+	k_sleep(K_MSEC(10));
+}
+
+static int count_names(const char *key, size_t length, settings_read_cb read, void *arg,
+                       void *param)
+{
+	*(int *)param += key[1] == '\0' ? 0 : 1;
+	return 0;
+}
+
+/* Of the earlier version. */
+static int names_stored(void)
+{
+	int count = 0;
+
+	zassert_equal(settings_load_subtree_direct("pharos", count_names, &count), 0);
+	return count;
+}
+
+ZTEST(storage, test_values_of_an_earlier_version_become_a_record)
+{
+	put_old();
+	zassert_true(is_taken_over());
+	let_it_write();
+	zassert_equal(names_stored(), 0);
+	reset();
+	zassert_true(is_taken_over());
+}
+
+ZTEST(storage, test_power_cut_at_any_byte_while_they_do)
+{
+	static const size_t words[] = {1, 8, 32};
+
+	for (size_t i = 0; i < ARRAY_SIZE(words); i++) {
+		int names = 0;
+		int done = 0;
+
+		for (uint64_t cut = 0; done < 40; cut++) {
+			put_old();
+			zassert_true(is_taken_over());
+			settings_host_tear(cut, words[i]);
+			let_it_write();
+			reset();
+			zassert_true(is_taken_over(), "cut after %d bytes", (int)cut);
+			names = names_stored();
+			/* And what was cut is taken up again, with the next write. */
+			set(PARAM_SYNC_PULSE_US, params.values[PARAM_SYNC_PULSE_US] + 1);
+			k_sleep(K_MSEC(10));
+			zassert_equal(names_stored(), 0, "cut after %d bytes", (int)cut);
+			done += names == 0 ? 1 : 0;
+		}
+	}
+}
+
+/* --- a store that is damaged ------------------------------------------------------------------ */
+
+static void damage(const char *name)
+{
+	static const uint8_t garbage[] = "not a record";
+
+	zassert_equal(settings_save_one(name, garbage, sizeof(garbage)), 0);
+}
+
+ZTEST(storage, test_of_two_records_the_one_that_reads_counts_and_the_other_is_replaced)
+{
+	set(PARAM_STRB_MIN_US, 20000);
+	k_sleep(K_MSEC(10));
+	set(PARAM_STRB_MIN_US, 30000);
+	k_sleep(K_MSEC(10));
+	damage("pharos/0");
+	reset();
+
+	const int32_t left = stored(PARAM_STRB_MIN_US);
+
+	zassert_true(left == 20000 || left == 30000);
+	let_it_write();
+	damage("pharos/1");
+	reset();
+	zassert_equal(stored(PARAM_STRB_MIN_US), left);
+	zassert_true(storage_stats_get().refused > 0);
+}
+
+ZTEST(storage, test_with_no_record_that_reads_the_defaults_apply)
+{
+	set(PARAM_STRB_MIN_US, 20000);
+	k_sleep(K_MSEC(10));
+	damage("pharos/0");
+	damage("pharos/1");
+	zassert_equal(stored(PARAM_STRB_MIN_US), CONFIG_PHAROS_STROBE_PERIOD_MIN_US);
+	let_it_write();
+	reset();
+	zassert_equal(stored(PARAM_STRB_MIN_US), CONFIG_PHAROS_STROBE_PERIOD_MIN_US);
+}
+
+ZTEST(storage, test_a_write_that_fails_is_told_and_tried_again)
+{
+	const struct storage_stats first = storage_stats_get();
+
+	settings_host_tear(0, 1);
+	set(PARAM_STRB_MIN_US, 40000);
+	k_sleep(K_MSEC(10));
+	zassert_equal(storage_stats_get().failures, first.failures + 1);
+	zassert_equal(storage_stats_get().last_error, -5); /* EIO */
+	settings_host_heal();
+	k_sleep(K_SECONDS(31));
+	zassert_equal(storage_stats_get().failures, first.failures + 1);
+	reset();
+	zassert_equal(stored(PARAM_STRB_MIN_US), 40000);
 }

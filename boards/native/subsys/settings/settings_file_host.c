@@ -23,14 +23,20 @@ static char path[PATH_MAX];
 static uint8_t memory[MEMORY_SIZE];
 static size_t memory_length;
 
-/* The fault: how many bytes still get through. */
+/* The fault: how many bytes still get through, and which word a cut has left unreadable. */
 static uint64_t bytes_left;
+static size_t word_size = 1;
+static struct {
+	size_t at;
+	size_t size; /* 0: none */
+} lost;
 static bool is_armed;
 static bool is_dead;
 
-void settings_host_tear(uint64_t bytes)
+void settings_host_tear(uint64_t bytes, size_t word)
 {
 	bytes_left = bytes;
+	word_size = word;
 	is_armed = true;
 	is_dead = false;
 }
@@ -57,24 +63,46 @@ static size_t allowed(size_t length)
 	return length;
 }
 
+/* The same, where the bytes are appended to a content of `at` bytes. */
+static size_t allowed_at(size_t at, size_t length)
+{
+	const size_t through = allowed(length);
+
+	if (through < length && through % word_size != 0) {
+		lost.at = at + through - through % word_size;
+		lost.size = word_size;
+	}
+	return through;
+}
+
+static bool is_lost(size_t offset, size_t length)
+{
+	return lost.size != 0 && offset < lost.at + lost.size && lost.at < offset + length;
+}
+
 /* --- in memory -------------------------------------------------------------------------------- */
 
-static int memory_read(void *buffer, size_t max)
+static int memory_size(void)
 {
-	if (memory_length > max) {
-		return -EFBIG;
-	}
-	memcpy(buffer, memory, memory_length);
 	return (int)memory_length;
+}
+
+static int memory_read(size_t offset, void *buffer, size_t length)
+{
+	if (is_lost(offset, length)) {
+		return -EIO;
+	}
+	memcpy(buffer, &memory[offset], length);
+	return 0;
 }
 
 static int memory_append(const void *data, size_t length)
 {
-	const size_t count = allowed(length);
-
 	if (length > sizeof(memory) - memory_length) {
 		return -ENOSPC;
 	}
+	const size_t count = allowed_at(memory_length, length);
+
 	memcpy(&memory[memory_length], data, count);
 	memory_length += count;
 	return count == length ? 0 : -EIO;
@@ -91,6 +119,7 @@ static int memory_replace(const void *data, size_t length)
 	}
 	memcpy(memory, data, length);
 	memory_length = length;
+	lost.size = 0;
 	return 0;
 }
 
@@ -100,6 +129,7 @@ static const char *memory_path(void)
 }
 
 static const struct settings_medium memory_medium = {
+	.length = memory_size,
 	.read = memory_read,
 	.append = memory_append,
 	.replace = memory_replace,
@@ -108,37 +138,38 @@ static const struct settings_medium memory_medium = {
 
 /* --- in a file -------------------------------------------------------------------------------- */
 
-static int file_read(void *buffer, size_t max)
+static int file_length(void)
 {
-	const int fd = open(path, O_RDONLY | O_CLOEXEC);
-	size_t length = 0;
-	ssize_t count = 0;
-	char more;
+	struct stat status;
 
-	if (fd < 0) {
+	if (stat(path, &status) != 0) {
 		return errno == ENOENT ? 0 : -errno;
 	}
-	while (length < max && (count = read(fd, (uint8_t *)buffer + length, max - length)) > 0) {
-		length += (size_t)count;
-	}
-	if (count >= 0 && length == max) {
-		count = read(fd, &more, 1);
-		if (count > 0) {
-			(void)close(fd);
-			return -EFBIG;
-		}
-	}
-	if (count < 0) {
-		length = 0;
-	}
-	count = count < 0 ? -errno : 0;
-	(void)close(fd);
-	return count < 0 ? (int)count : (int)length;
+	return status.st_size > INT_MAX ? -EFBIG : (int)status.st_size;
 }
 
-static int write_all(int fd, const uint8_t *data, size_t length)
+static int file_read(size_t offset, void *buffer, size_t length)
 {
-	const size_t through = allowed(length);
+	const int fd = open(path, O_RDONLY | O_CLOEXEC);
+	size_t done = 0;
+	ssize_t count = 0;
+
+	if (fd < 0) {
+		return -errno;
+	}
+	while (done < length && (count = pread(fd, (uint8_t *)buffer + done, length - done,
+	                                       (off_t)(offset + done))) > 0) {
+		done += (size_t)count;
+	}
+	const int rc = count < 0 ? -errno : done < length || is_lost(offset, length) ? -EIO : 0;
+
+	(void)close(fd);
+	return rc;
+}
+
+/* through: how many bytes reach the disk. */
+static int write_all(int fd, const uint8_t *data, size_t length, size_t through)
+{
 	size_t done = 0;
 
 	while (done < through) {
@@ -169,7 +200,9 @@ static int file_append(const void *data, size_t length)
 	/* Not created here: a new file begins with a replace. */
 	const int fd = open(path, O_WRONLY | O_APPEND | O_CLOEXEC);
 
-	return fd < 0 ? -errno : finish(fd, write_all(fd, data, length));
+	return fd < 0 ? -errno
+	              : finish(fd, write_all(fd, data, length,
+	                                     allowed_at((size_t)file_length(), length)));
 }
 
 /* Makes a rename last. */
@@ -203,12 +236,15 @@ static int file_replace(const void *data, size_t length)
 	if (fd < 0) {
 		return -errno;
 	}
-	rc = finish(fd, write_all(fd, data, length));
+	rc = finish(fd, write_all(fd, data, length, allowed(length)));
 	if (rc == 0 && allowed(1) != 1) {
 		rc = -EIO;
 	}
 	if (rc == 0 && rename(new_path, path) != 0) {
 		rc = -errno;
+	}
+	if (rc == 0) {
+		lost.size = 0;
 	}
 	return rc == 0 ? sync_directory() : rc;
 }
@@ -219,6 +255,7 @@ static const char *file_path(void)
 }
 
 static const struct settings_medium file_medium = {
+	.length = file_length,
 	.read = file_read,
 	.append = file_append,
 	.replace = file_replace,
@@ -258,6 +295,7 @@ static enum control_result set_fault(struct control_call *call)
 {
 	const char *kind;
 	int64_t byte;
+	int64_t word = 1;
 
 	if (!control_string(call, "kind", &kind)) {
 		return CONTROL_ERROR;
@@ -270,16 +308,19 @@ static enum control_result set_fault(struct control_call *call)
 		return control_fail(call, "storage has no fault \"%.40s\"; there are none, torn",
 		                    kind);
 	}
-	if (!control_integer(call, "byte", 0, INT64_MAX, &byte)) {
+	if (!control_integer(call, "byte", 0, INT64_MAX, &byte) ||
+	    !control_integer_or(call, "word", 1, SETTINGS_WORD, &word)) {
 		return CONTROL_ERROR;
 	}
-	settings_host_tear((uint64_t)byte);
+	settings_host_tear((uint64_t)byte, (size_t)word);
 	return CONTROL_OK;
 }
 
 static const struct control_fault faults[] = {
 	{"storage",
-         "kind torn with byte: writing fails after that many more bytes, until a reset; kind none",
+         "kind torn with byte: writing fails after that many more bytes, until a reset, and a word "
+         "of "
+         "so many bytes (word, default 1) that was only begun cannot be read; kind none",
          set_fault},
 	{0},
 };
@@ -290,6 +331,7 @@ static int start(void)
 	size_t size = 0;
 	const void *carried = carry_get("settings", &size);
 
+	(void)carry_register("settings lost", &lost, sizeof(lost));
 	if (carried != NULL && size <= sizeof(memory)) {
 		memcpy(memory, carried, size);
 		memory_length = size;

@@ -6,13 +6,18 @@
 
 #define MAGIC 0x53A7u
 
-static const char head[] = "PHAROS settings 1\n";
+#define MARK "PHAROS settings 1\n"
 
 enum {
-	HEAD_SIZE = sizeof(head) - 1,
+	MARK_SIZE = sizeof(MARK) - 1,
+	HEAD_SIZE = (MARK_SIZE + SETTINGS_WORD - 1) / SETTINGS_WORD * SETTINGS_WORD,
 	HEADER_SIZE = SETTINGS_RECORD_HEADER_SIZE,
-	RECORD_MAX = HEADER_SIZE + SETTINGS_RECORD_NAME_MAX + SETTINGS_RECORD_VALUE_MAX,
+	RECORD_MAX = (HEADER_SIZE + SETTINGS_RECORD_NAME_MAX + SETTINGS_RECORD_VALUE_MAX +
+	              SETTINGS_WORD - 1) /
+	             SETTINGS_WORD * SETTINGS_WORD,
 };
+
+static const char head[HEAD_SIZE] = MARK;
 
 _Static_assert(SETTINGS_RECORDS_SIZE >= HEAD_SIZE + RECORD_MAX, "the longest record fits");
 
@@ -69,6 +74,12 @@ static uint32_t record_crc(const uint8_t *at, size_t body)
 	return crc32(crc32(0, at, 8), &at[HEADER_SIZE], body);
 }
 
+/* Of a record in whole words. */
+static size_t padded(size_t length)
+{
+	return (length + SETTINGS_WORD - 1) / SETTINGS_WORD * SETTINGS_WORD;
+}
+
 /* Length of the record whose header is at `at`, or 0: no sound header. */
 static size_t header_length(const uint8_t *at, size_t left)
 {
@@ -88,13 +99,14 @@ static bool is_sound(const uint8_t *at, size_t left)
 	       get32(&at[8]) == record_crc(at, length - HEADER_SIZE);
 }
 
+/* Returns the bytes that it takes. */
 static size_t view(const uint8_t *at, struct settings_record *record)
 {
 	record->name_length = at[2];
 	record->value_length = get16(&at[4]);
 	record->name = (const char *)&at[HEADER_SIZE];
 	record->value = &at[HEADER_SIZE + record->name_length];
-	return HEADER_SIZE + record->name_length + record->value_length;
+	return padded(HEADER_SIZE + record->name_length + record->value_length);
 }
 
 static size_t build(uint8_t *out, const char *name, const void *value, size_t value_length)
@@ -111,7 +123,11 @@ static size_t build(uint8_t *out, const char *name, const void *value, size_t va
 		memcpy(&out[HEADER_SIZE + name_length], value, value_length);
 	}
 	put32(&out[8], record_crc(out, name_length + value_length));
-	return HEADER_SIZE + name_length + value_length;
+
+	const size_t length = HEADER_SIZE + name_length + value_length;
+
+	memset(&out[length], 0, padded(length) - length);
+	return padded(length);
 }
 
 static bool same_name(const struct settings_record *a, const struct settings_record *b)
@@ -166,10 +182,33 @@ bool settings_records_find(const struct settings_records *self, const char *name
 	return found && record->value_length > 0;
 }
 
+/* Where the next record begins: behind zeros up to a whole word. */
+static size_t skip_padding(const struct settings_records *self, size_t at, size_t length)
+{
+	while (at < length && at % SETTINGS_WORD != 0 && self->image[at] == 0) {
+		at++;
+	}
+	return at;
+}
+
+/* Copies the sound record at `at` of so many bytes, filled up; false: there is no room. */
+static bool keep(struct settings_records *self, size_t at, size_t record)
+{
+	const size_t size = padded(record);
+
+	if (size > sizeof(self->scratch) - self->length) {
+		return false;
+	}
+	memset(&self->scratch[self->length], 0, size);
+	memcpy(&self->scratch[self->length], &self->image[at], record);
+	self->length += size;
+	return true;
+}
+
 /* Keeps the sound records of image[0…length) and counts the runs of other bytes. */
 static void keep_sound(struct settings_records *self, size_t length, size_t from)
 {
-	size_t at = from;
+	size_t at = skip_padding(self, from, length);
 	bool in_run = false;
 
 	memcpy(self->scratch, head, HEAD_SIZE);
@@ -178,10 +217,9 @@ static void keep_sound(struct settings_records *self, size_t length, size_t from
 		const size_t left = length - at;
 		const size_t record = header_length(&self->image[at], left);
 
-		if (is_sound(&self->image[at], left)) {
-			memcpy(&self->scratch[self->length], &self->image[at], record);
-			self->length += record;
-			at += record;
+		if (is_sound(&self->image[at], left) && keep(self, at, record)) {
+			self->rewrite = self->rewrite || at % SETTINGS_WORD != 0;
+			at = skip_padding(self, at + record, length);
 			in_run = false;
 			continue;
 		}
@@ -194,6 +232,32 @@ static void keep_sound(struct settings_records *self, size_t length, size_t from
 	memcpy(self->image, self->scratch, self->length);
 }
 
+/* The medium's content into the image; zeros where it cannot be read. The length, or -errno. */
+static int read_content(struct settings_records *self, const struct settings_medium *medium)
+{
+	const int length = medium->length();
+	int rc;
+
+	/* The head takes room even where the medium has lost it. */
+	if (length > (int)(sizeof(self->image) - HEAD_SIZE)) {
+		return -EFBIG;
+	}
+	if (length <= 0) {
+		return length;
+	}
+	rc = medium->read(0, self->image, (size_t)length);
+	for (size_t at = 0; rc == -EIO && at < (size_t)length; at += SETTINGS_WORD) {
+		const size_t left = (size_t)length - at;
+		const size_t size = left < SETTINGS_WORD ? left : SETTINGS_WORD;
+
+		if (medium->read(at, &self->image[at], size) != 0) {
+			memset(&self->image[at], 0, size);
+		}
+	}
+	self->rewrite = rc == -EIO || length % (int)SETTINGS_WORD != 0;
+	return rc == 0 || rc == -EIO ? length : rc;
+}
+
 static void count_live(struct settings_records *self)
 {
 	struct settings_record record;
@@ -201,27 +265,28 @@ static void count_live(struct settings_records *self)
 
 	self->live = HEAD_SIZE;
 	while (settings_records_next(self, &cursor, &record)) {
-		self->live += HEADER_SIZE + record.name_length + record.value_length;
+		self->live += padded(HEADER_SIZE + record.name_length + record.value_length);
 	}
 }
 
 int settings_records_open(struct settings_records *self, const struct settings_medium *medium)
 {
-	/* The head takes room even where the medium has lost it. */
-	const int length = medium->read(self->image, sizeof(self->image) - HEAD_SIZE);
-	bool has_head;
+	bool has_mark;
+	int length;
 
 	self->medium = NULL;
+	self->rewrite = false;
 	memset(&self->stats, 0, sizeof(self->stats));
+	length = read_content(self, medium);
 	if (length < 0) {
 		return length;
 	}
-	has_head = length >= HEAD_SIZE && memcmp(self->image, head, HEAD_SIZE) == 0;
-	keep_sound(self, (size_t)length, has_head ? HEAD_SIZE : 0);
-	if (length > 0 && !has_head && self->length == HEAD_SIZE) {
+	has_mark = length >= MARK_SIZE && memcmp(self->image, MARK, MARK_SIZE) == 0;
+	keep_sound(self, (size_t)length, has_mark ? MARK_SIZE : 0);
+	if (length > 0 && !has_mark && self->length == HEAD_SIZE) {
 		return -EBADMSG;
 	}
-	self->rewrite = !has_head || self->stats.broken > 0;
+	self->rewrite = self->rewrite || !has_mark || self->stats.broken > 0;
 	self->medium = medium;
 	count_live(self);
 	return 0;
@@ -239,7 +304,7 @@ static int compact(struct settings_records *self, const uint8_t *record, size_t 
 	(void)view(record, &saved);
 	memcpy(self->scratch, head, HEAD_SIZE);
 	while (settings_records_next(self, &cursor, &each)) {
-		const size_t size = HEADER_SIZE + each.name_length + each.value_length;
+		const size_t size = padded(HEADER_SIZE + each.name_length + each.value_length);
 
 		if (!same_name(&each, &saved)) {
 			memcpy(&self->scratch[length], each.name - HEADER_SIZE, size);
@@ -306,8 +371,8 @@ int settings_records_save(struct settings_records *self, const char *name, const
 		return 0;
 	}
 	live = self->live;
-	live -= old.value_length > 0 ? HEADER_SIZE + name_length + old.value_length : 0;
-	live += value_length > 0 ? HEADER_SIZE + name_length + value_length : 0;
+	live -= old.value_length > 0 ? padded(HEADER_SIZE + name_length + old.value_length) : 0;
+	live += value_length > 0 ? padded(HEADER_SIZE + name_length + value_length) : 0;
 	length = build(bytes, name, value, value_length);
 	fits = self->length + length <= sizeof(self->image) - HEAD_SIZE &&
 	       (self->length + length <= SETTINGS_RECORDS_COMPACT_MIN ||

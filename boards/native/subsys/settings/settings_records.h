@@ -9,6 +9,10 @@
  *	         CRC-16/CCITT-FALSE of the six bytes before (2) |
  *	         CRC-32/ISO-HDLC of the eight bytes before, name and value (4) | name | value
  *
+ * Head and records are filled up with zeros to whole words (settings_medium.h), so that a cut
+ *spoils no record but the one being written; content without that, of an earlier version, is read
+ *as well.
+ *
  * The last record of a name counts; value length 0 means deleted. A record is appended, and never
  * changed. When half of the content is of no use any more, or something is broken, the next write
  * replaces the content by the live records.
@@ -25,15 +29,18 @@
 
 #include "settings_medium.h"
 
-#define SETTINGS_RECORDS_SIZE        CONFIG_SETTINGS_STORAGE_SIZE
+#ifndef SETTINGS_RECORDS_SIZE
+#define SETTINGS_RECORDS_SIZE CONFIG_SETTINGS_STORAGE_SIZE
+#endif
 #define SETTINGS_RECORD_HEADER_SIZE  12
 #define SETTINGS_RECORD_NAME_MAX     72
-#define SETTINGS_RECORD_VALUE_MAX    256
+/* Zephyr's flash stores take what fits a sector. */
+#define SETTINGS_RECORD_VALUE_MAX    512
 /* Below this size the content is not compacted. */
 #define SETTINGS_RECORDS_COMPACT_MIN 512
 
 struct settings_records_stats {
-	uint32_t broken;      /* runs of broken bytes found at opening */
+	uint32_t broken;      /* runs of broken or unreadable bytes found at opening */
 	uint32_t writes;      /* records that were stored */
 	uint32_t compactions; /* contents that were replaced */
 	uint32_t errors;      /* writes that the medium refused */

@@ -200,7 +200,7 @@ ZTEST(core_params, test_load_takes_a_set_that_no_order_of_single_sets_would)
 	zassert_equal(get("THR_RECOVER"), 110000);
 }
 
-ZTEST(core_params, test_load_repairs_what_is_out_of_range_or_at_odds)
+ZTEST(core_params, test_load_mends_what_is_out_of_range_or_at_odds)
 {
 	static const uint32_t bad[] = {PARAM_THR_RECOVER, PARAM_SYNC_MODE};
 	struct params stored = params;
@@ -211,6 +211,59 @@ ZTEST(core_params, test_load_repairs_what_is_out_of_range_or_at_odds)
 	zassert_true(is_just(params_load(&params, stored.values), bad, 2));
 	zassert_equal(get("LGT_CURVE"), 0, "the good ones are kept");
 	zassert_equal(get("THR_RECOVER"), CONFIG_PHAROS_THERMAL_RECOVER_MDEGC);
+}
+
+/* What is mended is never mended towards more heat. */
+ZTEST(core_params, test_load_mends_temperatures_downwards)
+{
+	static const struct {
+		int32_t stored[5]; /* sensor min, recover, throttle, shutdown, sensor max */
+		int32_t loaded[5];
+	} rows[] = {
+		/* stored by the firmware before records: the cut left half of 30/40/50 -> 55/60/65
+	         */
+		{{-55000, 55000, 40000, 50000, 150000}, {-55000, 39999, 40000, 50000, 150000}},
+		{{-55000, 30000, 60000, 50000, 150000}, {-55000, 30000, 49999, 50000, 150000}},
+		{{-55000, 30000, 40000, 35000, 150000}, {-55000, 30000, 34999, 35000, 150000}},
+		/* higher than the defaults, 70/80/100 */
+		{{-55000, 90000, 120000, 110000, 150000}, {-55000, 70000, 80000, 100000, 150000}},
+		/* out of range: below is the lowest, above the default */
+		{{-55000, 30000, 40000, -50000, 150000}, {-55000, -40000, -39999, -39998, 150000}},
+		{{-55000, 30000, 40000, 200000, 150000}, {-55000, 30000, 40000, 100000, 150000}},
+		/* a sensor that could show none of them */
+		{{50000, 30000, 40000, 50000, 150000}, {-55000, 30000, 40000, 50000, 150000}},
+		{{-55000, 30000, 40000, 50000, 45000}, {-55000, 30000, 40000, 50000, 150000}},
+	};
+	static const enum param_id ids[] = {PARAM_THR_SENS_MIN, PARAM_THR_RECOVER,
+	                                    PARAM_THR_THROTTLE, PARAM_THR_SHUTDOWN,
+	                                    PARAM_THR_SENS_MAX};
+
+	for (size_t row = 0; row < ARRAY_SIZE(rows); row++) {
+		struct params stored = params;
+
+		for (size_t i = 0; i < ARRAY_SIZE(ids); i++) {
+			stored.values[ids[i]] = rows[row].stored[i];
+		}
+		(void)params_load(&params, stored.values);
+		for (size_t i = 0; i < ARRAY_SIZE(ids); i++) {
+			zassert_equal(params.values[ids[i]], rows[row].loaded[i], "row %zu, %s: %d",
+			              row, params_info(ids[i])->name, params.values[ids[i]]);
+		}
+	}
+}
+
+/* Than what was stored, or the default where that is lower; the coldest that there is stays. */
+static bool is_no_warmer(const struct params *stored)
+{
+	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+		const struct param_info *const info = params_info(i);
+		const int32_t value = params.values[i];
+
+		if (params_is_heat_limit(i) && value > info->min + 2 && value > stored->values[i]) {
+			return false;
+		}
+	}
+	return true;
 }
 
 ZTEST(core_params, test_any_garbage_loads_as_something_that_works)
@@ -235,6 +288,7 @@ ZTEST(core_params, test_any_garbage_loads_as_something_that_works)
 			                                    : (int32_t)random;
 		}
 		params_load(&params, stored.values);
+		zassert_true(is_no_warmer(&stored), "round %d", round);
 		params_thermal(&params, &thermal);
 		params_illuminator(&params, &light);
 		params_gimbal(&params, &axes);
