@@ -16,6 +16,7 @@ import pytest
 
 from model_light import ModelLight
 from pharos import (
+    Light,
     LinkError,
     MavlinkConnection,
     SilentError,
@@ -38,6 +39,8 @@ from pharos.check import (
     selected,
 )
 from pharos.cli import main
+from pharos.connection import signing_time
+from pharos.parameters import Parameters
 from real_light import BINARY, ROOT
 
 # What each fault breaks: the must that names it, and those that cannot hold with it either.
@@ -297,6 +300,80 @@ def test_each_wrong_build_of_ours_is_found(binary: Path, tmp_path: Path, name: s
     with Simulator(_built(build, tmp_path), {"uart0": "udpin:127.0.0.1:0"}, dialect=dialect) as sim:
         report = _on(sim, sim.connect("uart0"))
     assert sorted(report.broken()) == sorted(build.breaks)
+
+
+# --- with a key -----------------------------------------------------------------------------------
+KEY = bytes(range(32))
+SIGNING = "app/proto/mavlink/signing.c"
+SIGNING_BUILDS = {
+    "obeys who does not sign": Build(
+        SIGNING,
+        "return MAVLINK_SIGNING_UNSIGNED;",
+        "return MAVLINK_SIGNING_ACCEPTED;",
+        ("SG-4",),
+    ),
+    "obeys any key": Build(
+        SIGNING, "return differs == 0;", "return differs <= 255;", ("SG-5",)
+    ),
+    "obeys recordings": Build(
+        SIGNING, "timestamp <= stream->timestamp", "timestamp + 1 == 0", ("SG-6",)
+    ),
+    "obeys what is old": Build(
+        SIGNING,
+        "return timestamp + MAVLINK_TIMESTAMP_MINUTE < now;",
+        "return timestamp + 100 * MAVLINK_TIMESTAMP_MINUTE < now;",
+        ("SG-7",),
+    ),
+    "does not count timestamps on": Build(
+        SIGNING, "mavlink_signing_timestamp(self, now_us) + 1);",
+        "mavlink_signing_timestamp(self, now_us));", ("SG-2",),
+    ),
+}  # fmt: skip
+
+
+def _with_key(sim: Simulator) -> MavlinkConnection:
+    """A client that has given the light a key, on a wire that may."""
+    connection = sim.connect("uart0")
+    light = Light(connection)
+    light.find()
+    Parameters(light).set("MAV_SECURE", 1)
+    now = signing_time()
+    connection.send(connection.dialect.MAVLink_setup_signing_message(1, 243, KEY, now))
+    sim.advance(s=1)
+    connection.sign(KEY, now + 200_000)
+    connection.drain()
+    connection.inbox.clear()
+    return connection
+
+
+def test_our_light_passes_with_a_key(binary: Path) -> None:
+    with Simulator(binary, {"uart0": "udpin:127.0.0.1:0"}) as sim:
+        report = _on(sim, _with_key(sim), key=KEY)
+    assert (report.broken(), report.left) == ([], "")
+    assert all(r.outcome == "passed" for r in report.results if r.requirement.group == "SG")
+
+
+@pytest.mark.parametrize("name", SIGNING_BUILDS)
+def test_each_wrong_way_to_sign_is_found(binary: Path, tmp_path: Path, name: str) -> None:
+    build = SIGNING_BUILDS[name]
+    dialect = load_dialect(find_dialect(binary.parent))
+    with Simulator(_built(build, tmp_path), {"uart0": "udpin:127.0.0.1:0"}, dialect=dialect) as sim:
+        report = _on(sim, _with_key(sim), requirements=selected(["SG", "HB"]), key=KEY)
+    assert report.broken() == list(build.breaks)
+
+
+def test_a_light_that_signs_says_so_to_who_has_no_key(binary: Path) -> None:
+    with Simulator(binary, {"uart0": "udpin:127.0.0.1:0"}) as sim:
+        connection = _with_key(sim)
+        connection.sign(b"", 0)
+        sim.advance(s=2)
+        with pytest.raises(SilentError, match="--key-file"):
+            _on(sim, connection)
+        with pytest.raises(SilentError, match="--key-file"):
+            Light(connection).on()
+        connection.sign(bytes(32 * [7]), signing_time())
+        with pytest.raises(SilentError, match="not signed with this key"):
+            Light(connection).find()
 
 
 # --- what it leaves behind ------------------------------------------------------------------------

@@ -100,6 +100,38 @@ def test_commands_of_the_command_line(light: RealLight, capsys: pytest.CaptureFi
     assert light.control.request("outputs")["enable"] == 0
 
 
+def test_plain_commands_do_one_thing(
+    light: RealLight, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    url, path = light.url(), str(tmp_path / "light.parm")
+    assert _code("on", url) == 0
+    assert _code("strobe", url, "2Hz", "10%") == 0
+    assert _code("brightness", url, "40") == 0
+    capsys.readouterr()
+    assert _code("status", url) == 0
+    assert capsys.readouterr().out.startswith("on, 40 %, strobe 0.5 s at 10 %")
+    assert _code("off", url, "--json") == 0
+    assert json.loads(capsys.readouterr().out) == {"command": "off", "ok": True}
+    assert light.control.request("outputs")["enable"] == 0
+    assert _code("param", "save", url, path) == 0
+    assert _code("param", "set", url, "LGT_FALLBACK", "1") == 0
+    capsys.readouterr()
+    assert _code("param", "diff", url, path) == 1
+    assert "LGT_FALLBACK" in capsys.readouterr().out
+    assert _code("param", "load", url, path) == 0
+    assert _code("param", "get", url, "NO_SUCH") == 1
+    assert _code("brightness", url, "much") == 2
+    assert _code("param", "dance", url) == 2
+    assert _code("watch", url, "1") == 0
+
+
+def test_pharos_alone_shows_what_there_is(capsys: pytest.CaptureFixture[str]) -> None:
+    assert _code() == 2
+    out = capsys.readouterr().out
+    assert "examples:" in out
+    assert "pharos check" in out
+
+
 def test_error_before_anything_is_json_too(capsys: pytest.CaptureFixture[str]) -> None:
     assert _code("shell", "nonsense", "--json", "-c", "on") == 2
     out, err = capsys.readouterr()

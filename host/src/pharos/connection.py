@@ -24,6 +24,8 @@ HISTORY_MAX = 100_000
 MALFORMED_MAX = 10_000
 # What a timestamp of signed messages counts [µs].
 TIMESTAMP_US = 10
+# The incompatibility flag of a signed frame.
+SIGNED = 1
 # 2015-01-01 in Unix time, from which they count [s].
 SIGNING_EPOCH_S = 1_420_070_400
 # A client that has spoken is not silent for longer than this, if keep_alive() is called in time.
@@ -90,6 +92,31 @@ class MavlinkConnection:
             codec.signing.link_id = link_id
             codec.signing.sign_outgoing = bool(key)
         self._clock_offset = timestamp - self.pacer.now_us() // TIMESTAMP_US
+
+    def take_all(self) -> None:
+        """From now on frames are received whether they are rightly signed or not."""
+        self._decoder.signing.allow_unsigned_callback = lambda _codec, _message: True
+
+    @property
+    def signs(self) -> bool:
+        """Whether what is sent is signed."""
+        return bool(self.encoder.signing.sign_outgoing)
+
+    def hears_signed(self) -> bool:
+        """Whether the target's latest message was signed."""
+        target = (self.target.system, self.target.component)
+        for message in reversed(self.history):
+            if (message.get_srcSystem(), message.get_srcComponent()) == target:
+                return bool(message.get_header().incompat_flags & SIGNED)
+        return False
+
+    def silence(self, what: str) -> SilentError:
+        """The error that nobody did `what`, with the reason if there is one to be seen."""
+        if self.hears_signed() and not self.signs:
+            what = "the light signs its messages and obeys only who has its key: --key-file FILE"
+        elif self.signs and any("signature" in str(bad.reason) for bad in self.malformed):
+            what += "; what came is not signed with this key"
+        return SilentError(f"{self.link}: {what}")
 
     def encode(self, message: Any) -> bytes:
         """The next frame that carries `message`: counts the sequence number."""

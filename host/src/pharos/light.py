@@ -129,13 +129,20 @@ class Light:
                     others.add(f"{found.system}/{found.component}")
         who = f"component {target.system}/{target.component}" if target else "illuminator"
         heard = f"; heard {', '.join(sorted(others))}" if others else ""
-        raise SilentError(
-            f"{connection.link}: no {who} answered within {timeout_us / 1e6:g} s{heard}"
-        )
+        raise connection.silence(f"no {who} answered within {timeout_us / 1e6:g} s{heard}")
 
     def poll(self, us: int = 0) -> list[Any]:
         """Lets `us` pass, or less if something comes; what came."""
         return self._messages(us)
+
+    def poll_target(self, us: int) -> list[Any]:
+        """As poll(), of the light only."""
+        return [message for message in self._messages(us) if self._is_target(message)]
+
+    def _is_target(self, message: Any) -> bool:
+        target = self.connection.target
+        source = (message.get_srcSystem(), message.get_srcComponent())
+        return source == (target.system, target.component)
 
     def _messages(self, us: int, until: str | None = None) -> list[Any]:
         """What comes within `us`; with `until`, no longer than to a message of that type."""
@@ -157,11 +164,7 @@ class Light:
                 return came
 
     def _note(self, message: Any) -> None:
-        target = self.connection.target
-        if (message.get_srcSystem(), message.get_srcComponent()) != (
-            target.system,
-            target.component,
-        ):
+        if not self._is_target(message):
             return
         self.heard_us = self.connection.pacer.now_us()
         self._latest[message.get_type()] = message
@@ -182,7 +185,7 @@ class Light:
                     if message.get_type() == "COMMAND_ACK" and message.command == command:
                         self._check(command, int(message.result))
                         return
-        raise SilentError(f"{connection.link}: the light stopped answering")
+        raise connection.silence("the light stopped answering")
 
     def _check(self, command: int, result: int) -> None:
         if result == ACCEPTED:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -10,7 +11,7 @@ from typing import Any
 
 from pymavlink.generator.mavcrc import x25crc
 
-from ..connection import MavlinkConnection, Target
+from ..connection import SIGNED, MavlinkConnection, Target
 from ..light import (
     ACCEPTED,
     COMMAND_CONFIGURE,
@@ -143,6 +144,21 @@ class Bench:
 
     def frame(self, message: Any) -> bytes:
         return self.connection.encode(message)
+
+    def sealed(self, frame: bytes, crc_extra: int, wrong: int = 0) -> bytes:
+        """A MAVLink 2 frame, changed by hand, as it is sent: with a checksum that fits (but for the
+        bits of `wrong`), and rightly signed if there is a key."""
+        changed = bytearray(frame)
+        changed[2] |= SIGNED if self.key else 0
+        framed = bytearray(with_checksum(bytes(changed), crc_extra))
+        framed[-2] ^= wrong
+        if not self.key:
+            return bytes(framed)
+        signing = self.connection.encoder.signing
+        signing.timestamp += 1
+        stamp = int(signing.timestamp).to_bytes(6, "little")
+        head = bytes(framed) + bytes([signing.link_id]) + stamp
+        return head + hashlib.sha256(self.key + head).digest()[:6]
 
     def heartbeat(self) -> None:
         if self.now() - self._beat_us >= HEARTBEAT_US and self.connection.link.can_send():
@@ -405,7 +421,7 @@ def _value(value: Any) -> str:
 
 # --- frames ---------------------------------------------------------------------------------------
 def with_checksum(frame: bytes, crc_extra: int) -> bytes:
-    """A MAVLink 2 frame, changed by hand, with a checksum that fits."""
+    """A MAVLink 2 frame, changed by hand, with a checksum that fits and without a signature."""
     body = 10 + frame[1]
     crc = x25crc(frame[1:body])
     crc.accumulate(bytes([crc_extra]))
@@ -417,6 +433,6 @@ def unpacked(frame: bytes) -> bytes:
     return frame[10 : 10 + frame[1]]
 
 
-def repacked(frame: bytes, payload: bytes, crc_extra: int) -> bytes:
-    head = bytes([frame[0], len(payload)]) + frame[2:10]
-    return with_checksum(head + payload + b"\0\0", crc_extra)
+def repacked(frame: bytes, payload: bytes) -> bytes:
+    """The frame with another payload, and no checksum yet."""
+    return bytes([frame[0], len(payload)]) + frame[2:10] + payload

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from ..light import ACCEPTED, COMMAND_ON_OFF, COMMAND_REQUEST_MESSAGE, MESSAGE_STATUS
 from .bench import (
     ANSWER_US,
@@ -10,7 +12,6 @@ from .bench import (
     repacked,
     result_name,
     unpacked,
-    with_checksum,
 )
 from .commands import acks
 from .information import STATUS
@@ -120,7 +121,7 @@ def takes_both(bench: Bench) -> None:
             frame = bench.frame(message)
             if whole:
                 payload = unpacked(frame).ljust(33, b"\0")
-                frame = repacked(frame, payload, int(message.crc_extra))
+                frame = bench.sealed(repacked(frame, payload), int(message.crc_extra))
             bench.listen(0)
             bench.send_raw(frame, f"COMMAND_LONG 405 ({value}) in {frame[1]} bytes")
             answer = bench.acknowledgement(COMMAND_ON_OFF)
@@ -168,8 +169,8 @@ def right_checksums(bench: Bench) -> None:
 )
 def wrong_checksum(bench: Bench) -> None:
     """'On', with one bit of its checksum changed: no answer, and it stays off."""
-    frame, _ = on(bench)
-    _dropped(bench, frame[:-1] + bytes([frame[-1] ^ 1]), "with a wrong checksum")
+    frame, crc_extra = on(bench)
+    _dropped(bench, lambda: bench.sealed(frame, crc_extra, wrong=1), "with a wrong checksum")
 
 
 @requirement(
@@ -184,13 +185,14 @@ def incompatible(bench: Bench) -> None:
     frame, crc_extra = on(bench)
     changed = bytearray(frame)
     changed[AT_INCOMPATIBLE] |= UNKNOWN_FLAG
-    _dropped(bench, with_checksum(bytes(changed), crc_extra), "with incompatibility flag 0x40")
+    made = bytes(changed)
+    _dropped(bench, lambda: bench.sealed(made, crc_extra), "with incompatibility flag 0x40")
 
 
-def _dropped(bench: Bench, frame: bytes, what: str) -> None:
+def _dropped(bench: Bench, make: Callable[[], bytes], what: str) -> None:
     bench.dim()
     bench.listen(0)
-    bench.send_raw(frame, f"COMMAND_LONG 405 (1) {what}")
+    bench.send_raw(make(), f"COMMAND_LONG 405 (1) {what}")
     answers = acks(bench, COMMAND_ON_OFF, ANSWER_US)
     bench.alive(f"after a frame {what}")
     enable = bench.status().enable
@@ -212,7 +214,7 @@ def compatible(bench: Bench) -> None:
     changed = bytearray(bench.frame(message))
     changed[AT_COMPATIBLE] |= UNKNOWN_FLAG
     bench.listen(0)
-    frame = with_checksum(bytes(changed), int(message.crc_extra))
+    frame = bench.sealed(bytes(changed), int(message.crc_extra))
     bench.send_raw(frame, "COMMAND_LONG 512 (440) with compatibility flag 0x40")
     answer = bench.acknowledgement(COMMAND_REQUEST_MESSAGE)
     expect(answer is not None, "no COMMAND_ACK within 1 s")
@@ -292,7 +294,7 @@ def unknown_message(bench: Bench) -> None:
     """A frame with message id 0x7F1234, and known messages that are not for lights: then a
     request is answered."""
     frame = bytes([START_2, 3, 0, 0, 9, 255, 190, 0x34, 0x12, 0x7F, 1, 2, 3, 0, 0])
-    bench.send_raw(with_checksum(frame, 0), "an unknown message, 0x7F1234")
+    bench.send_raw(bench.sealed(frame, 0), "an unknown message, 0x7F1234")
     bench.send(bench.d.MAVLink_attitude_message(0, 0, 0, 0, 0, 0, 0))
     bench.alive("after unknown messages")
 

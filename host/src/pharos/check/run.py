@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 
 from ..connection import MavlinkConnection, Target
-from ..errors import PharosError, SilentError, UsageError
+from ..errors import PharosError, UsageError
 from ..light import COMMAND_CONFIGURE, COMMAND_ON_OFF, TYPE_ILLUMINATOR, TYPE_STATION
 from .bench import Bench, Settings
 from .intervals import SET_INTERVAL
@@ -87,7 +87,7 @@ def _fits(requirement: Requirement, pattern: str) -> bool:
 
 def find(connection: MavlinkConnection, wanted: Target | None, timeout_us: int = FIND_US) -> Target:
     """The light: who says that it is one; else who has its component id; else the only one who is
-    there and no station. wanted: that one, if anything comes from it."""
+    there and no station. wanted: that one, if anything comes from it. SilentError: none."""
     seen: dict[Target, int] = {}
     end = connection.pacer.now_us() + timeout_us
     beat = connection.pacer.now_us()
@@ -108,7 +108,7 @@ def find(connection: MavlinkConnection, wanted: Target | None, timeout_us: int =
     who = f"component {wanted.system}/{wanted.component}" if wanted else "illuminator"
     others = ", ".join(f"{s.system}/{s.component}" for s in seen)
     heard = f"; heard {others}" if others else ""
-    raise SilentError(f"{connection.link}: no {who} was heard within {timeout_us / 1e6:g} s{heard}")
+    raise connection.silence(f"no {who} was heard within {timeout_us / 1e6:g} s{heard}")
 
 
 def check(
@@ -120,6 +120,9 @@ def check(
 ) -> Report:
     """Runs them on the light that the connection addresses. Whatever happens, also an interrupt,
     the light is then switched off and has its settings back. LinkError: the link failed."""
+    if connection.hears_signed() and not key:
+        raise connection.silence("")
+    connection.take_all()
     bench = Bench(connection, key)
     report = Report(str(connection.link), connection.target)
     before = _settings(bench)

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from ..light import COMMAND_ON_OFF, COMMAND_REQUEST_MESSAGE, MESSAGE_STATUS
@@ -72,10 +72,17 @@ def obeys(bench: Bench) -> None:
     expect(answer is not None, "no COMMAND_ACK within 1 s")
 
 
-def _ignored(bench: Bench, frame: bytes, what: str) -> None:
+def on(bench: Bench, key: bytes) -> bytes:
+    """A frame that says 'on', signed with that key, or with none."""
+    with speaking(bench, key):
+        return bench.frame(bench.command_message(COMMAND_ON_OFF, 1))
+
+
+def _ignored(bench: Bench, make: Callable[[], bytes], what: str) -> None:
+    """make: the frame, made when its time has come, so that it is refused for nothing else."""
     bench.dim()
     bench.listen(0)
-    bench.send_raw(frame, f"COMMAND_LONG 405 (1) {what}")
+    bench.send_raw(make(), f"COMMAND_LONG 405 (1) {what}")
     answers = acks(bench, COMMAND_ON_OFF, ANSWER_US)
     enable = bench.status().enable
     bench.switch(0)
@@ -88,18 +95,15 @@ def _ignored(bench: Bench, frame: bytes, what: str) -> None:
 def unsigned(bench: Bench) -> None:
     """'On' without a signature: not carried out."""
     need_key(bench)
-    with speaking(bench, b""):
-        frame = bench.frame(bench.command_message(COMMAND_ON_OFF, 1))
-    _ignored(bench, frame, "without a signature")
+    _ignored(bench, lambda: on(bench, b""), "without a signature")
 
 
 @requirement("SG-5", Level.MUST, "does not obey who has another key", ACCEPTING, PAGE)
 def other_key(bench: Bench) -> None:
     """'On', signed with another key: not carried out."""
     need_key(bench)
-    with speaking(bench, bytes(byte ^ 0xFF for byte in bench.key)):
-        frame = bench.frame(bench.command_message(COMMAND_ON_OFF, 1))
-    _ignored(bench, frame, "signed with another key")
+    other = bytes(byte ^ 0xFF for byte in bench.key)
+    _ignored(bench, lambda: on(bench, other), "signed with another key")
 
 
 @requirement("SG-6", Level.MUST, "does not obey a recording", ACCEPTING, PAGE)
@@ -108,10 +112,10 @@ def replay(bench: Bench) -> None:
     out."""
     need_key(bench)
     bench.dim()
-    frame = bench.frame(bench.command_message(COMMAND_ON_OFF, 1))
+    frame = on(bench, bench.key)
     bench.send_raw(frame, "COMMAND_LONG 405 (1), signed")
     bench.acknowledgement(COMMAND_ON_OFF)
-    _ignored(bench, frame, "that was recorded")
+    _ignored(bench, lambda: frame, "that was recorded")
 
 
 @requirement("SG-7", Level.MUST, "does not obey what is over a minute old", ACCEPTING, PAGE)
@@ -127,4 +131,4 @@ def old(bench: Bench) -> None:
         frame = bytes(message.pack(bench.connection.encoder))
     finally:
         signing.timestamp, signing.link_id = before
-    _ignored(bench, frame, "that is two minutes old")
+    _ignored(bench, lambda: frame, "that is two minutes old")

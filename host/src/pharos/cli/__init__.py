@@ -8,15 +8,27 @@ import io
 import logging
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
 
-from ..connection import MavlinkConnection, Target
+from ..connection import MavlinkConnection, Target, signing_time
 from ..dialect import load_dialect
 from ..errors import PharosError, UsageError
 from ..light import Light
 from ..link import RealPacer, open_link
-from .shell import OK, USAGE, Printer, Shell, exit_code, parse
+from .key import read_key
+from .shell import (
+    COMMANDS,
+    OK,
+    PARAM_ACTIONS,
+    USAGE,
+    Printer,
+    Shell,
+    exit_code,
+    parse,
+    parse_words,
+)
 
 INTERRUPTED = 130
 
@@ -24,6 +36,9 @@ CODES = """exit codes: 0 done; 1 refused or failed; 2 not understood; 3 silent o
 
 MAIN = f"""\
 examples:
+  pharos on udp:127.0.0.1:14550
+  pharos strobe /dev/ttyUSB0,57600 2Hz 10
+  pharos param save udp:127.0.0.1:14550 light.parm
   pharos shell udp:127.0.0.1:14550                     a prompt
   pharos shell /dev/ttyUSB0,57600 -c 'on; brightness 40'
   pharos shell 'dronecan:socketcan/can0?node=68' --json < commands.txt
@@ -53,6 +68,22 @@ fails ends it. `pharos shell URL -c help` lists the commands.
 {CODES}
 """
 
+PARAM = f"""\
+ACTION is one of
+  list [PATTERN]   all, or those like 'LGT_*'
+  get NAME         one
+  set NAME VALUE   and what is in force then
+  save FILE        for MAVProxy and Mission Planner; NAME.params for QGroundControl
+  load FILE        of any of the three: sets what differs
+  diff FILE        what differs; exit code 1 if anything does
+
+examples:
+  pharos param list udp:127.0.0.1:14550 'LGT_*'
+  pharos param set udp:127.0.0.1:14550 LGT_FALLBACK 1
+
+{CODES}
+"""
+
 CHECK = """\
 examples:
   pharos check udp:127.0.0.1:14550
@@ -67,7 +98,11 @@ BUS_HELP = "python-can's INTERFACE/CHANNEL; default: pharos-udp, the user-space 
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    args = _parser().parse_args(argv)
+    parser = _parser()
+    if not (sys.argv[1:] if argv is None else argv):
+        parser.print_help()
+        return USAGE
+    args = parser.parse_args(argv)
     # python-can and dronecan log what they then raise.
     logging.disable(logging.CRITICAL)
     for stream in (sys.stdout, sys.stderr):
@@ -101,6 +136,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"pharos {_version()}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     _add_shell(commands)
+    _add_plain(commands)
     _add_check(commands)
     can = commands.add_parser(
         "can",
@@ -127,18 +163,46 @@ def _add_shell(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     shell.add_argument("url", metavar="URL", help="where the light is")
     shell.add_argument("-c", dest="commands", metavar="COMMANDS", help="run these, ; between them")
-    shell.add_argument("--json", action="store_true", help="one JSON object per line")
-    shell.add_argument(
+    _add_light_options(shell)
+    shell.set_defaults(run=_run_shell)
+
+
+def _add_light_options(parser: argparse.ArgumentParser, timeout_s: float = 3.0) -> None:
+    parser.add_argument("--json", action="store_true", help="one JSON object per line")
+    parser.add_argument("--key-file", metavar="FILE", help="the light's key: 32 bytes, or in hex")
+    parser.add_argument(
         "--target", type=_target, metavar="SYS/COMP", help="which component, if there are several"
     )
-    shell.add_argument(
+    parser.add_argument(
         "--timeout",
         type=_seconds,
-        default=3.0,
+        default=timeout_s,
         metavar="S",
-        help="how long to wait for the light (default: 3)",
+        help=f"how long to wait for the light (default: {timeout_s:g})",
     )
-    shell.set_defaults(run=_run_shell)
+
+
+def _add_plain(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """A command of the shell as one of the command line's."""
+    for command in COMMANDS.values():
+        if command.name in ("help", "quit"):
+            continue
+        is_param = command.name == "param"
+        form = "ACTION URL …" if is_param else f"URL {command.usage.partition(' ')[2]}".rstrip()
+        parser = commands.add_parser(
+            command.name,
+            help=command.help.replace("%", "%%"),
+            usage=f"pharos {command.name} {form} [OPTIONS]",
+            description=command.help,
+            epilog=PARAM if is_param else CODES,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        if is_param:
+            parser.add_argument("action", metavar="ACTION", choices=tuple(PARAM_ACTIONS))
+        parser.add_argument("url", metavar="URL", help="as for `pharos shell`")
+        parser.add_argument("words", nargs="*", metavar="…", help=argparse.SUPPRESS)
+        _add_light_options(parser)
+        parser.set_defaults(run=_run_plain, command=command)
 
 
 def _add_check(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -162,21 +226,10 @@ def _add_check(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     check.add_argument("--explain", metavar="ID", help="why, and what is sent and looked at")
     check.add_argument("--list", action="store_true", help="the requirements")
     check.add_argument("--markdown", action="store_true", help="--list as a page")
-    check.add_argument("--json", action="store_true", help="one JSON object at the end")
     check.add_argument("--junit", metavar="FILE", help="write a report for CI")
     check.add_argument("--html", metavar="FILE", help="write a report for people, one page")
     check.add_argument("-v", "--verbose", action="store_true", help="all that was sent and seen")
-    check.add_argument("--key-file", metavar="FILE", help="the light's key: 32 bytes, or in hex")
-    check.add_argument(
-        "--target", type=_target, metavar="SYS/COMP", help="which component, if there are several"
-    )
-    check.add_argument(
-        "--timeout",
-        type=_seconds,
-        default=5.0,
-        metavar="S",
-        help="how long to wait for the light (default: 5)",
-    )
+    _add_light_options(check, 5.0)
     check.set_defaults(run=_run_check)
 
 
@@ -365,12 +418,29 @@ def _run_check(args: argparse.Namespace, printer: Printer) -> int:
     return run_check(args, printer)
 
 
+@contextmanager
+def _light(args: argparse.Namespace) -> Iterator[Light]:
+    """The light that URL, --target, --timeout and --key-file name."""
+    key = read_key(args.key_file)
+    with open_link(args.url) as link:
+        connection = MavlinkConnection(link, RealPacer([link]), load_dialect())
+        if key:
+            connection.sign(key, signing_time())
+        light = Light(connection)
+        light.find(round(args.timeout * 1e6), args.target)
+        yield light
+
+
+def _run_plain(args: argparse.Namespace, printer: Printer) -> int:
+    words = [args.action, *args.words] if args.command.name == "param" else args.words
+    line = parse_words(args.command.name, words)
+    with _light(args) as light:
+        return Shell(light, printer).run(line)
+
+
 def _run_shell(args: argparse.Namespace, printer: Printer) -> int:
     lines = None if args.commands is None else parse(args.commands)
-    link = open_link(args.url)
-    with link:
-        light = Light(MavlinkConnection(link, RealPacer([link]), load_dialect()))
-        light.find(round(args.timeout * 1e6), args.target)
+    with _light(args) as light:
         shell = Shell(light, printer)
         if lines is not None:
             for line in lines:

@@ -12,17 +12,17 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from ..connection import MavlinkConnection
+from ..connection import MavlinkConnection, signing_time
 from ..dialect import load_dialect
 from ..errors import PharosError, UsageError
 from ..link import RealPacer, open_link
 from ..text import printable
+from .key import read_key
 
 if TYPE_CHECKING:
     from ..check import Requirement, Result
     from .shell import Printer
 
-KEY_BYTES = 32
 # How much of a transcript is shown of what fails.
 LOG_LINES = 12
 STYLES = {"passed": "green", "failed": "red", "not offered": "dim", "not run": "dim"}
@@ -49,7 +49,7 @@ def run_check(args: argparse.Namespace, printer: Printer) -> int:
     with open_link(args.url) as link:
         connection = MavlinkConnection(link, RealPacer([link]), load_dialect())
         if key:
-            sign(connection, key)
+            connection.sign(key, signing_time())
         connection.target = check.find(connection, args.target, round(args.timeout * 1e6))
         progress = Progress(console, args.verbose, quiet=args.json)
         report = check.check(connection, chosen, key=key, on_result=progress)
@@ -126,30 +126,6 @@ def explain(found: list[Requirement], printer: Printer) -> None:
             lines, id=r.id, level=r.level.value, title=r.title, clause=r.clause, url=r.url,
             explanation=r.explanation,
         )  # fmt: skip
-
-
-def read_key(path: str | None) -> bytes:
-    """32 bytes, or as many in hexadecimal digits; b"" without a file."""
-    if path is None:
-        return b""
-    try:
-        data = Path(path).read_bytes()
-    except OSError as error:
-        raise UsageError(f"{path}: {error.strerror}") from error
-    if len(data) != KEY_BYTES:
-        try:
-            data = bytes.fromhex(data.decode("ascii"))
-        except ValueError:
-            data = b""
-    if len(data) != KEY_BYTES:
-        raise UsageError(f"{path}: a key has 32 bytes, or 64 hexadecimal digits")
-    return data
-
-
-def sign(connection: MavlinkConnection, key: bytes) -> None:
-    from ..connection import signing_time
-
-    connection.sign(key, signing_time())
 
 
 def write(path: str, text: str) -> None:

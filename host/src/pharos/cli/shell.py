@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import fnmatch
 import math
 import re
 from collections.abc import Callable, Sequence
@@ -11,6 +12,7 @@ from typing import IO, Any
 
 from ..errors import CommandError, PharosError, SilentError, UsageError
 from ..light import Light, Status
+from ..parameters import Parameter, Parameters, is_same, read_file, text_of, write_file
 from ..text import json_line, printable
 
 OK, REFUSED, USAGE, SILENT = 0, 1, 2, 3
@@ -128,15 +130,20 @@ def parse(text: str) -> list[Line]:
         words = part.split()
         if not words:
             continue
-        command = COMMANDS.get(words[0]) or _ALIASES.get(words[0])
-        if command is None:
-            raise UsageError(f"'{words[0]}' is no command; `help` lists them")
-        try:
-            lines.append(Line(command.name, command.parse(words[1:])))
-        except UsageError as error:
-            hint = f"{error}; " if str(error) else ""
-            raise UsageError(f"{command.name}: {hint}usage: {command.usage}") from None
+        lines.append(parse_words(words[0], words[1:]))
     return lines
+
+
+def parse_words(name: str, words: Sequence[str]) -> Line:
+    """One command, its arguments apart. UsageError: it makes no sense."""
+    command = COMMANDS.get(name) or _ALIASES.get(name)
+    if command is None:
+        raise UsageError(f"'{name}' is no command; `help` lists them")
+    try:
+        return Line(command.name, command.parse(words))
+    except UsageError as error:
+        hint = f"{error}; " if str(error) else ""
+        raise UsageError(f"{command.name}: {hint}usage: {command.usage}") from None
 
 
 # --- arguments ------------------------------------------------------------------------------------
@@ -255,6 +262,88 @@ def _parse_info(words: Sequence[str]) -> Callable[[Shell], None]:
     return run
 
 
+def _parse_param(words: Sequence[str]) -> Callable[[Shell], None]:
+    if not words or words[0] not in PARAM_ACTIONS:
+        raise UsageError(f"'{words[0]}' is none of {', '.join(PARAM_ACTIONS)}" if words else "")
+    run, low, high = PARAM_ACTIONS[words[0]]
+    _count(words[1:], low, high)
+    if words[0] == "set":
+        _number(words[2])
+    return lambda shell: run(shell, *words[1:])
+
+
+def _say_parameter(shell: Shell, parameter: Parameter) -> None:
+    text = f"{parameter.name:<16} {parameter.text}"
+    shell.printer.fields(text, command="param", ok=True, **parameter.as_fields())
+
+
+def _param_list(shell: Shell, pattern: str = "*") -> None:
+    for parameter in Parameters(shell.light).fetch_all().values():
+        if fnmatch.fnmatchcase(parameter.name, pattern.upper()):
+            _say_parameter(shell, parameter)
+
+
+def _param_get(shell: Shell, name: str) -> None:
+    _say_parameter(shell, Parameters(shell.light).get(name.upper()))
+
+
+def _param_set(shell: Shell, name: str, value: str) -> None:
+    _say_parameter(shell, Parameters(shell.light).set(name.upper(), _number(value)))
+
+
+def _param_save(shell: Shell, path: str) -> None:
+    found = Parameters(shell.light).fetch_all()
+    target = shell.light.connection.target
+    write_file(path, found.values(), target.system, target.component)
+    shell.printer.fields(
+        f"{len(found)} parameters in {path}", command="param", ok=True, count=len(found), file=path
+    )
+
+
+def _param_load(shell: Shell, path: str) -> None:
+    """Sets what it can; what it cannot is told, and makes it fail."""
+    wanted = read_file(path)
+    done, refused = Parameters(shell.light).set_all(wanted)
+    for parameter in done:
+        _say_parameter(shell, parameter)
+    for error in refused:
+        shell.printer.error(error, "param")
+    same = len(wanted) - len(done) - len(refused)
+    text = f"{len(done)} set, {same} were so already"
+    if refused:
+        raise PharosError(f"{text}, {len(refused)} refused")
+    shell.printer.fields(text, command="param", ok=True, set=len(done), same=same)
+
+
+def _param_diff(shell: Shell, path: str) -> None:
+    """Exit code 1 if they differ, as diff has it."""
+    wanted, now = read_file(path), Parameters(shell.light).fetch_all()
+    lines = 0
+    for name in [*wanted, *(name for name in now if name not in wanted)]:
+        here = now[name].value if name in now else None
+        there = wanted.get(name)
+        if here is not None and there is not None and is_same(here, there):
+            continue
+        lines += 1
+        shown = ["-" if value is None else text_of(value) for value in (there, here)]
+        shell.printer.fields(
+            f"{name:<16} {shown[0]} in the file, {shown[1]} in the light",
+            command="param", name=name, file=there, light=here,
+        )  # fmt: skip
+    if lines:
+        raise PharosError(f"{lines} parameter{'s differ' if lines > 1 else ' differs'}")
+
+
+PARAM_ACTIONS: dict[str, tuple[Callable[..., None], int, int]] = {
+    "list": (_param_list, 0, 1),
+    "get": (_param_get, 1, 1),
+    "set": (_param_set, 2, 2),
+    "save": (_param_save, 1, 1),
+    "load": (_param_load, 1, 1),
+    "diff": (_param_diff, 1, 1),
+}
+
+
 def _parse_help(words: Sequence[str]) -> Callable[[Shell], None]:
     _count(words, 0, 1)
     if words and words[0] not in COMMANDS:
@@ -295,6 +384,12 @@ COMMANDS: dict[str, Command] = {
         Command("status", "what was commanded, temperature, errors", _parse_status),
         Command("watch [N]", "each status as it comes, N or until Ctrl-C", _parse_watch),
         Command("info", "maker, model, versions, serial number", _parse_info),
+        Command(
+            "param ACTION …",
+            "list [PATTERN], get NAME, set NAME VALUE, save FILE, load FILE, diff FILE",
+            _parse_param,
+            tuple(PARAM_ACTIONS),
+        ),
         Command("help [COMMAND]", "this", _parse_help),
         Command("quit", "leave (also exit, Ctrl-D)", _parse_quit),
     )
