@@ -85,8 +85,8 @@ static int cmd_can(const struct shell *sh, size_t argc, char **argv)
 	shell_print(sh, "%-14srx %u, tx %u, late %u", "no room",
 	            now.transport.rx_no_room + now.transport.rx_evicted,
 	            now.transport.tx_no_room + now.transport.tx_evicted, now.transport.tx_expired);
-	shell_print(sh, "%-14s%u opened, %u closed, %u refused", "tunnels", now.tunnel.opened,
-	            now.tunnel.closed, now.tunnel.refused);
+	shell_print(sh, "%-14s%u opened, %u closed, %u refused; not MAVLink %u", "tunnels",
+	            now.tunnel.opened, now.tunnel.closed, now.tunnel.refused, now.tunnel.foreign);
 	shell_print(sh, "%-14s%u; applied %u, refused %u, repeated in vain %u, pan and tilt %u",
 	            "lamp commands", now.lights.commands, now.stats.applied, now.stats.refused,
 	            now.stats.unchanged, now.stats.no_gimbal);

@@ -66,6 +66,18 @@ static struct dronecan_tunnel_channel *find(struct dronecan_tunnel *self, uint8_
 	return free_one;
 }
 
+static bool is_mavlink(uint8_t protocol)
+{
+	switch (protocol) {
+	case DRONECAN_TUNNEL_PROTOCOL_MAVLINK:
+	case DRONECAN_TUNNEL_PROTOCOL_MAVLINK2:
+	case DRONECAN_TUNNEL_PROTOCOL_UNDEFINED:
+		return true;
+	default:
+		return false;
+	}
+}
+
 bool dronecan_tunnel_receive(struct dronecan_tunnel *self, int64_t now_us,
                              const struct dronecan_transfer *transfer,
                              struct dronecan_tunnel_targetted *scratch,
@@ -76,6 +88,10 @@ bool dronecan_tunnel_receive(struct dronecan_tunnel *self, int64_t now_us,
 	    !dronecan_tunnel_targetted_decode(scratch, !transfer->fd, transfer->data,
 	                                      transfer->size)) {
 		self->stats.malformed++;
+		return false;
+	}
+	if (!is_mavlink(scratch->protocol.protocol)) {
+		self->stats.foreign++;
 		return false;
 	}
 	struct dronecan_tunnel_channel *c =

@@ -303,6 +303,50 @@ ZTEST(dronecan_tunnel, test_answers_are_fd_when_the_asker_is)
 	zassert_true(device_bus.frames[0].fd);
 }
 
+/* ArduPilot up to 4.5 always says 255; what says GPS, or anything else, is not ours to parse. */
+ZTEST(dronecan_tunnel, test_what_says_that_it_is_mavlink_is_answered)
+{
+	struct dronecan_tunnel_targetted message;
+	uint32_t foreign = 0;
+
+	for (uint32_t protocol = 0; protocol <= 255; protocol++) {
+		const bool is_mavlink = protocol == 0 || protocol == 1 || protocol == 255;
+		const int64_t now_us = protocol * 4 * SECOND;
+
+		give(now_us,
+		     FRAME(0x100BB90A, (uint8_t)protocol, 0x88, 0x01, 0x00, 0xE1, 0x00,
+		           (uint8_t)(0xC0 | protocol % 32)),
+		     false);
+		zassert_equal(device_out.tunnel_received, is_mavlink, "protocol %u", protocol);
+		foreign += !is_mavlink;
+		zassert_equal(device.tunnel.stats.foreign, foreign);
+		zassert_equal(write_bytes(now_us, 0, 5), is_mavlink);
+		device_step(now_us);
+		zassert_equal(tool_hears(now_us, &dronecan_tunnel_targetted_type, &heard),
+		              is_mavlink);
+		if (is_mavlink) {
+			zassert_true(dronecan_tunnel_targetted_decode(&message, true, heard.data,
+			                                              heard.size));
+			zassert_equal(message.protocol.protocol, protocol);
+		}
+	}
+}
+
+/* Nor does it keep a tunnel open, or change what that is answered with. */
+ZTEST(dronecan_tunnel, test_what_is_not_mavlink_leaves_the_askers_tunnel)
+{
+	ask(0, TOOL, 0, NULL, 0);
+	const uint8_t channel = device_out.tunnel.channel;
+	struct dronecan_frame gps =
+		FRAME(0x100BB900u | TOOL, 2, 0x88, 0x01, 0x00, 0xE1, 0x00, 0xDF);
+
+	give(2 * SECOND, gps, false);
+	zassert_equal(device.tunnel.stats.foreign, 1);
+	zassert_equal(device.tunnel.channels[channel].protocol, DRONECAN_TUNNEL_PROTOCOL_MAVLINK2);
+	zassert_true(dronecan_tunnel_is_open(&device.tunnel, 3 * SECOND - 1, channel));
+	zassert_false(dronecan_tunnel_is_open(&device.tunnel, 3 * SECOND, channel));
+}
+
 ZTEST(dronecan_tunnel, test_a_malformed_targetted_is_counted)
 {
 	give(0, FRAME(0x100BB90A, 0x01, 0x88, 0x01, 0xC0), false);
