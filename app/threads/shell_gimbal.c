@@ -151,9 +151,10 @@ static int cmd_gimbal_status(const struct shell *sh, size_t argc, char **argv)
 	shell_print(sh, "%-14s%u; refused %u, rates ended %u, attitude lost %u", "commands",
 	            node->gimbal.stats.accepted, node->gimbal.stats.denied,
 	            node->gimbal.stats.rate_timeouts, node->gimbal.stats.attitude_losses);
-	shell_print(sh, "%-14s%u set, %u refused, %u without meaning; asked for data %u", "mavlink",
-	            status.mavlink.set, status.mavlink.refused, status.mavlink.bad,
-	            status.mavlink.requests);
+	shell_print(sh, "%-14s%u set, %u refused, %u without meaning, %u not of the manager",
+	            "mavlink", status.mavlink.set, status.mavlink.refused, status.mavlink.bad,
+	            status.mavlink.foreign);
+	shell_print(sh, "%-14sasked for data %u", "", status.mavlink.requests);
 	return 0;
 }
 

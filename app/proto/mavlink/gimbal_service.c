@@ -112,6 +112,23 @@ static bool mount_mode(float wire, uint32_t *mode)
 	       *mode != MAV_MOUNT_MODE_RC_TARGETING;
 }
 
+/* Whose mount commands are not heard now, since the manager points the gimbal. */
+static bool is_foreign_mount(const struct mavlink_context *context)
+{
+	struct mavlink_gimbal *const self = context->component->service;
+	const bool foreign =
+		!mavlink_gimbal_is_manager(context) && mavlink_gimbal_is_managed(context);
+
+	self->stats.foreign += foreign;
+	return foreign;
+}
+
+/* To all, it is for the manager to answer. */
+static uint8_t foreign_result(const struct mavlink_command *command)
+{
+	return command->to_all ? MAVLINK_NO_ANSWER : MAV_RESULT_TEMPORARILY_REJECTED;
+}
+
 /*
  * 204: mode, stabilize roll, pitch, yaw, then what 205's roll, pitch and yaw are; these three have
  * since left the definition. A mode of angles moves nothing yet.
@@ -127,6 +144,9 @@ static uint8_t mount_configure(const struct mavlink_context *context,
 	uint32_t mode;
 
 	(void)reply;
+	if (is_foreign_mount(context)) {
+		return foreign_result(command);
+	}
 	if (!mount_mode(param[0], &mode) || !mount_input(param[4], param[1], &roll) ||
 	    !mount_input(param[5], param[2], &mount[GIMBAL_TILT]) ||
 	    !mount_input(param[6], param[3], &mount[GIMBAL_PAN])) {
@@ -196,6 +216,9 @@ static uint8_t mount_control(const struct mavlink_context *context,
 	uint32_t mode;
 
 	(void)reply;
+	if (is_foreign_mount(context)) {
+		return foreign_result(command);
+	}
 	if (!mount_mode(command->param[6], &mode)) {
 		return MAV_RESULT_DENIED;
 	}
@@ -301,6 +324,10 @@ static void set_attitude(const struct mavlink_context *context, const struct mav
 	mavlink_gimbal_device_set_attitude_t wire;
 	struct gimbal_event event;
 
+	if (!mavlink_gimbal_is_manager(context)) {
+		self->stats.foreign++;
+		return;
+	}
 	mavlink_frame_payload(frame, &wire, sizeof(wire));
 	if ((wire.flags & GIMBAL_DEVICE_FLAGS_RETRACT) != 0) {
 		event = retract;
@@ -511,6 +538,14 @@ static const struct mavlink_receiver_row receivers[] = {
          .target_component_offset =
                  offsetof(mavlink_autopilot_state_for_gimbal_device_t, target_component),
          .receive = mavlink_gimbal_autopilot_state},
+	{.id = MAVLINK_MSG_ID_GIMBAL_MANAGER_INFORMATION,
+         .target_system_offset = MAVLINK_NO_TARGET,
+         .target_component_offset = MAVLINK_NO_TARGET,
+         .receive = mavlink_gimbal_manager_information},
+	{.id = MAVLINK_MSG_ID_GIMBAL_MANAGER_STATUS,
+         .target_system_offset = MAVLINK_NO_TARGET,
+         .target_component_offset = MAVLINK_NO_TARGET,
+         .receive = mavlink_gimbal_manager_status},
 	{.id = MAVLINK_MSG_ID_ATTITUDE,
          .target_system_offset = MAVLINK_NO_TARGET,
          .target_component_offset = MAVLINK_NO_TARGET,

@@ -16,8 +16,15 @@
  * as the vehicle moves, until it is pointed otherwise. There is no roll axis: roll is taken and is
  * 0.
  *
+ * A gimbal device acts upon its manager's messages alone: the autopilot of its own system, or a
+ * component of that system that names it in GIMBAL_MANAGER_INFORMATION or _STATUS. So 284 from
+ * anyone else is counted and left. Mount commands are older than managers: anyone's are carried out
+ * while no manager is heard, by the autopilot's heartbeats or what else the manager sends, for
+ * MAVLINK_GIMBAL_VEHICLE_LOST_US; meanwhile others' are rejected for the time being.
+ *
  * The vehicle's attitude comes with 286 or ATTITUDE, its position with GLOBAL_POSITION_INT. While
- * the vehicle is there and one of them does not come, it is asked for it every second.
+ * the vehicle is there and one of them does not come, it is asked for it every second, and after
+ * MAVLINK_GIMBAL_ASKS times in vain every MAVLINK_GIMBAL_ASK_AGAIN_US.
  *
  * Context: the endpoint's. Spec: mavlink.io services gimbal_v2, gimbal_v1; common.xml.
  */
@@ -48,6 +55,7 @@ struct mavlink_gimbal_stats {
 	uint32_t set;      /* 284 that were carried out */
 	uint32_t bad;      /* messages with numbers of no meaning */
 	uint32_t refused;  /* 284 that the arbiter refused */
+	uint32_t foreign;  /* 284, 204 and 205 of others than the manager */
 	uint32_t requests; /* for data */
 };
 
@@ -67,11 +75,15 @@ struct mavlink_gimbal {
 	struct mavlink_place target;
 	bool is_tracking; /* the target */
 	struct mavlink_gimbal_stats stats;
-	int64_t heard_us[MAVLINK_GIMBAL_DATA]; /* -1: never */
-	int64_t vehicle_us;                    /* of its last heartbeat; -1: never */
-	int64_t ask_us;                        /* when to look for what is missing */
+	int64_t heard_us[MAVLINK_GIMBAL_DATA];  /* -1: never */
+	int64_t vehicle_us;                     /* of its last heartbeat; -1: never */
+	int64_t ask_us;                         /* when to look for what is missing */
+	int64_t wanted_us[MAVLINK_GIMBAL_DATA]; /* and not to ask for it before */
+	uint8_t asked[MAVLINK_GIMBAL_DATA];     /* in vain, up to MAVLINK_GIMBAL_ASKS */
 	uint8_t vehicle_link;
 	uint8_t vehicle_system;
+	uint8_t manager;    /* beside the vehicle, a component of the same system; 0: none */
+	int64_t manager_us; /* when it was heard last */
 };
 
 extern const struct mavlink_profile mavlink_gimbal_profile;

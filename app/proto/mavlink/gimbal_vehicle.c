@@ -27,12 +27,84 @@ static bool is_from_vehicle(const struct mavlink_context *context)
 	       context->source_component == MAV_COMP_ID_AUTOPILOT1;
 }
 
+/* --- who manages it --------------------------------------------------------------------------- */
+
+bool mavlink_gimbal_is_manager(const struct mavlink_context *context)
+{
+	struct mavlink_gimbal *const self = context->component->service;
+
+	if (context->source_system != context->endpoint->config.system_id) {
+		return false;
+	}
+	if (self->manager != 0 && context->source_component == self->manager) {
+		self->manager_us = context->now_us;
+		return true;
+	}
+	return context->source_component == MAV_COMP_ID_AUTOPILOT1;
+}
+
+static bool is_recent(int64_t now_us, int64_t heard_us)
+{
+	return heard_us >= 0 && now_us - heard_us < MAVLINK_GIMBAL_VEHICLE_LOST_US;
+}
+
+bool mavlink_gimbal_is_managed(const struct mavlink_context *context)
+{
+	const struct mavlink_gimbal *const self = context->component->service;
+
+	return (self->vehicle_system == context->endpoint->config.system_id &&
+	        is_recent(context->now_us, self->vehicle_us)) ||
+	       (self->manager != 0 && is_recent(context->now_us, self->manager_us));
+}
+
+/* Of our own system, and no station's claim: a station is no component of the vehicle. */
+static void take_manager(const struct mavlink_context *context, uint8_t gimbal_device_id)
+{
+	struct mavlink_gimbal *const self = context->component->service;
+
+	if (gimbal_device_id == context->component->id &&
+	    context->source_system == context->endpoint->config.system_id &&
+	    context->source_component != MAV_COMP_ID_AUTOPILOT1) {
+		self->manager = context->source_component;
+		self->manager_us = context->now_us;
+	}
+}
+
+void mavlink_gimbal_manager_information(const struct mavlink_context *context,
+                                        const struct mavlink_frame *frame)
+{
+	mavlink_gimbal_manager_information_t wire;
+
+	mavlink_frame_payload(frame, &wire, sizeof(wire));
+	take_manager(context, wire.gimbal_device_id);
+}
+
+void mavlink_gimbal_manager_status(const struct mavlink_context *context,
+                                   const struct mavlink_frame *frame)
+{
+	mavlink_gimbal_manager_status_t wire;
+
+	mavlink_frame_payload(frame, &wire, sizeof(wire));
+	take_manager(context, wire.gimbal_device_id);
+}
+
+/* --- attitude and position -------------------------------------------------------------------- */
+
+/* It comes: if it stops, it is asked for at once. */
+static void datum_heard(struct mavlink_gimbal *self, int64_t now_us,
+                        enum mavlink_gimbal_datum datum)
+{
+	self->heard_us[datum] = now_us;
+	self->wanted_us[datum] = now_us;
+	self->asked[datum] = 0;
+}
+
 static void take_attitude(const struct mavlink_context *context, const struct attitude *attitude)
 {
 	struct mavlink_gimbal *const self = context->component->service;
 	const struct gimbal_event event = {.kind = GIMBAL_EVENT_ATTITUDE, .attitude = *attitude};
 
-	self->heard_us[MAVLINK_GIMBAL_ATTITUDE] = context->now_us;
+	datum_heard(self, context->now_us, MAVLINK_GIMBAL_ATTITUDE);
 	(void)gimbal_step(self->gimbal, context->now_us, &event);
 }
 
@@ -146,7 +218,7 @@ void mavlink_gimbal_vehicle_position(const struct mavlink_context *context,
 		return;
 	}
 	mavlink_frame_payload(frame, &wire, sizeof(wire));
-	self->heard_us[MAVLINK_GIMBAL_POSITION] = context->now_us;
+	datum_heard(self, context->now_us, MAVLINK_GIMBAL_POSITION);
 	self->vehicle = (struct mavlink_place){wire.lat, wire.lon, wire.alt};
 	self->is_tracking = self->is_tracking && self->arbiter->commander == ARBITER_SOURCE_MAVLINK;
 	if (self->is_tracking && mavlink_gimbal_aim_at(&self->vehicle, &self->target, &event)) {
@@ -177,26 +249,40 @@ void mavlink_gimbal_heartbeat(const struct mavlink_context *context,
 	self->vehicle_system = frame->system_id;
 	if (self->ask_us == TIME_NEVER_US) {
 		self->ask_us = context->now_us;
+		for (size_t i = 0; i < MAVLINK_GIMBAL_DATA; i++) {
+			self->wanted_us[i] = context->now_us;
+			self->asked[i] = 0;
+		}
 	}
 }
 
+static const struct {
+	uint8_t stream;
+	uint16_t message_id;
+	uint16_t rate_hz;
+} data[MAVLINK_GIMBAL_DATA] = {
+	[MAVLINK_GIMBAL_ATTITUDE] = {MAV_DATA_STREAM_EXTRA1, MAVLINK_MSG_ID_ATTITUDE,
+                                     MAVLINK_GIMBAL_ATTITUDE_HZ},
+	[MAVLINK_GIMBAL_POSITION] = {MAV_DATA_STREAM_POSITION, MAVLINK_MSG_ID_GLOBAL_POSITION_INT,
+                                     MAVLINK_GIMBAL_POSITION_HZ},
+};
+
 /* In both ways: ArduPilot has long known the first, PX4 knows the second. */
-static void ask_for(const struct mavlink_context *context, uint8_t stream, uint16_t message_id,
-                    uint16_t rate_hz)
+static void ask_for(const struct mavlink_context *context, enum mavlink_gimbal_datum datum)
 {
 	static const struct mavlink_kind stream_kind = MAVLINK_KIND(REQUEST_DATA_STREAM);
 	static const struct mavlink_kind command_kind = MAVLINK_KIND(COMMAND_LONG);
 	struct mavlink_gimbal *const self = context->component->service;
 	const mavlink_request_data_stream_t request = {
-		.req_message_rate = rate_hz,
+		.req_message_rate = data[datum].rate_hz,
 		.target_system = self->vehicle_system,
 		.target_component = MAV_COMP_ID_AUTOPILOT1,
-		.req_stream_id = stream,
+		.req_stream_id = data[datum].stream,
 		.start_stop = 1,
 	};
 	const mavlink_command_long_t command = {
-		.param1 = (float)message_id,
-		.param2 = (float)US_PER_S / (float)rate_hz,
+		.param1 = (float)data[datum].message_id,
+		.param2 = (float)US_PER_S / (float)data[datum].rate_hz,
 		.command = MAV_CMD_SET_MESSAGE_INTERVAL,
 		.target_system = self->vehicle_system,
 		.target_component = MAV_COMP_ID_AUTOPILOT1,
@@ -232,13 +318,18 @@ bool mavlink_gimbal_ask(const struct mavlink_context *context)
 	if (!mavlink_outbox_has_frames(context->out, 2 * MAVLINK_GIMBAL_DATA)) {
 		return false;
 	}
-	if (mavlink_gimbal_is_missing(self, now_us, MAVLINK_GIMBAL_ATTITUDE)) {
-		ask_for(context, MAV_DATA_STREAM_EXTRA1, MAVLINK_MSG_ID_ATTITUDE,
-		        MAVLINK_GIMBAL_ATTITUDE_HZ);
-	}
-	if (mavlink_gimbal_is_missing(self, now_us, MAVLINK_GIMBAL_POSITION)) {
-		ask_for(context, MAV_DATA_STREAM_POSITION, MAVLINK_MSG_ID_GLOBAL_POSITION_INT,
-		        MAVLINK_GIMBAL_POSITION_HZ);
+	for (size_t i = 0; i < MAVLINK_GIMBAL_DATA; i++) {
+		if (!mavlink_gimbal_is_missing(self, now_us, (enum mavlink_gimbal_datum)i) ||
+		    now_us < self->wanted_us[i]) {
+			continue;
+		}
+		ask_for(context, (enum mavlink_gimbal_datum)i);
+		if (self->asked[i] < MAVLINK_GIMBAL_ASKS) {
+			self->asked[i]++;
+		}
+		self->wanted_us[i] = now_us + (self->asked[i] < MAVLINK_GIMBAL_ASKS
+		                                       ? MAVLINK_GIMBAL_ASK_US
+		                                       : MAVLINK_GIMBAL_ASK_AGAIN_US);
 	}
 	self->ask_us = now_us + MAVLINK_GIMBAL_ASK_US;
 	return true;

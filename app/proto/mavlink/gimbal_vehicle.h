@@ -4,7 +4,7 @@
  * (component 1) of the device's own system id, whichever way that was found.
  *
  * While its heartbeats come, and GMB_ASK_DATA is set, a datum that has not come for
- * MAVLINK_GIMBAL_DATA_LOST_US is asked for every MAVLINK_GIMBAL_ASK_US.
+ * MAVLINK_GIMBAL_DATA_LOST_US is asked for every MAVLINK_GIMBAL_ASK_US, then more seldom.
  *
  * Context: the endpoint's, with a struct mavlink_gimbal as the component's service.
  */
@@ -14,9 +14,17 @@
 #include "proto/mavlink/endpoint.h"
 #include "proto/mavlink/gimbal_service.h"
 
-/* Receivers of HEARTBEAT, 286, ATTITUDE and GLOBAL_POSITION_INT. */
+/* Is the sender the gimbal's manager, and is there one that is heard? */
+bool mavlink_gimbal_is_manager(const struct mavlink_context *context);
+bool mavlink_gimbal_is_managed(const struct mavlink_context *context);
+
+/* Receivers of HEARTBEAT, 280, 281, 286, ATTITUDE and GLOBAL_POSITION_INT. */
 void mavlink_gimbal_heartbeat(const struct mavlink_context *context,
                               const struct mavlink_frame *frame);
+void mavlink_gimbal_manager_information(const struct mavlink_context *context,
+                                        const struct mavlink_frame *frame);
+void mavlink_gimbal_manager_status(const struct mavlink_context *context,
+                                   const struct mavlink_frame *frame);
 void mavlink_gimbal_autopilot_state(const struct mavlink_context *context,
                                     const struct mavlink_frame *frame);
 void mavlink_gimbal_vehicle_attitude(const struct mavlink_context *context,

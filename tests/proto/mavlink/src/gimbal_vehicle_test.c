@@ -107,12 +107,123 @@ ZTEST(mavlink_gimbal_vehicle, test_data_are_asked_for_until_they_come_and_again_
 	zassert_equal(requests.wrong, 0);
 	requests = fly(10 * SECOND, true, false);
 	zassert_equal(requests.streams[0], 0, "attitude comes");
-	zassert_equal(requests.streams[1], 10);
+	zassert_equal(requests.streams[1], 0, "ten times in vain: later");
 	requests = fly(10 * SECOND, true, true);
 	zassert_equal(requests.streams[1], 0);
 	requests = fly(10 * SECOND, false, false);
 	zassert_within(requests.streams[0], 9, 1, "after 2 s of silence");
 	zassert_within(requests.intervals[1], 9, 1);
+}
+
+/* A vehicle without a receiver of satellites has no position to tell. */
+ZTEST(mavlink_gimbal_vehicle, test_what_never_comes_is_asked_for_ever_more_seldom)
+{
+	struct requests requests = fly(310 * SECOND, true, false);
+
+	zassert_equal(requests.streams[0], 0);
+	zassert_within(requests.streams[1], 10 + 10, 1, "each second, then each 30 s");
+	/* a vehicle that has been away may have got one */
+	(void)idle(10 * SECOND);
+	requests = fly(5 * SECOND, true, false);
+	zassert_equal(requests.streams[1], 5);
+}
+
+/* --- the manager ------------------------------------------------------------------------------ */
+
+/* GIMBAL_DEVICE_SET_ATTITUDE with a yaw of 20 degrees, from anyone. */
+static void point(uint8_t system, uint8_t component, float yaw_half_rad)
+{
+	static const struct mavlink_kind kind = MAVLINK_KIND(GIMBAL_DEVICE_SET_ATTITUDE);
+	const mavlink_gimbal_device_set_attitude_t wire = {
+		.q = {cosf(yaw_half_rad), 0, 0, sinf(yaw_half_rad)},
+		.angular_velocity_x = NAN,
+		.angular_velocity_y = NAN,
+		.angular_velocity_z = NAN,
+		.target_system = 1,
+		.target_component = 154,
+	};
+
+	say(system, component, &kind, &wire);
+	pass(SECOND);
+}
+
+#define DEG_20_HALF  0.17453293f
+#define DEG_M40_HALF -0.34906585f
+
+ZTEST(mavlink_gimbal_vehicle, test_set_attitude_is_the_managers)
+{
+	static const uint8_t others[][2] = {{9, 25}, {1, 190}, {2, 1}, {255, 190}, {1, 191}};
+
+	point(1, 1, DEG_20_HALF);
+	assert_at(20000, 0);
+	for (uint32_t i = 0; i < ARRAY_SIZE(others); i++) {
+		point(others[i][0], others[i][1], DEG_M40_HALF);
+		assert_at(20000, 0);
+		zassert_equal(its.stats.foreign, i + 1);
+	}
+	point(1, 1, DEG_M40_HALF);
+	assert_at(-40000, 0);
+	zassert_equal(its.stats.set, 2);
+}
+
+/* A companion computer that says that it manages this gimbal; a station of another system can't. */
+ZTEST(mavlink_gimbal_vehicle, test_manager_names_its_gimbal)
+{
+	static const struct mavlink_kind information = MAVLINK_KIND(GIMBAL_MANAGER_INFORMATION);
+	static const struct mavlink_kind status = MAVLINK_KIND(GIMBAL_MANAGER_STATUS);
+	mavlink_gimbal_manager_information_t told = {.gimbal_device_id = 171};
+	const mavlink_gimbal_manager_status_t state = {.gimbal_device_id = 154};
+
+	say(1, 191, &information, &told);
+	point(1, 191, DEG_20_HALF);
+	assert_at(0, 0);
+	told.gimbal_device_id = 154;
+	say(9, 191, &information, &told);
+	point(9, 191, DEG_20_HALF);
+	assert_at(0, 0);
+	say(1, 191, &information, &told);
+	point(1, 191, DEG_20_HALF);
+	assert_at(20000, 0);
+	say(1, 192, &status, &state);
+	point(1, 192, DEG_M40_HALF);
+	assert_at(-40000, 0);
+	point(1, 191, DEG_20_HALF);
+	assert_at(-40000, 0);
+	point(1, 1, DEG_20_HALF);
+	assert_at(20000, 0);
+	/* it is heard: mount commands of others wait */
+	zassert_equal(ORDER(205, 0, 0, 10, 0, 0, 0, 2), MAV_RESULT_TEMPORARILY_REJECTED);
+	pass(5 * SECOND);
+	zassert_equal(ORDER(205, 0, 0, 10, 0, 0, 0, 2), MAV_RESULT_ACCEPTED);
+}
+
+ZTEST(mavlink_gimbal_vehicle, test_anyones_mount_commands_count_while_no_manager_is_heard)
+{
+	static const struct mavlink_kind kind = MAVLINK_KIND(COMMAND_LONG);
+	const mavlink_command_long_t vehicles = {.param3 = 30,
+	                                         .param7 = 2,
+	                                         .command = 205,
+	                                         .target_system = 1,
+	                                         .target_component = 154};
+
+	zassert_equal(ORDER(205, 0, 0, 10, 0, 0, 0, 2), MAV_RESULT_ACCEPTED);
+	vehicle_beats();
+	zassert_equal(ORDER(205, 0, 0, 20, 0, 0, 0, 2), MAV_RESULT_TEMPORARILY_REJECTED);
+	zassert_equal(ORDER(204, 2, 0, 0, 0, 0, 0, 0), MAV_RESULT_TEMPORARILY_REJECTED);
+	zassert_equal(its.stats.foreign, 2);
+	/* to all, it is the manager that answers */
+	receive_long(0, 1, 0, 205, (struct command_params){{0, 0, 20, 0, 0, 0, 2}});
+	zassert_equal(out.count, 0);
+	pass(SECOND);
+	assert_at(10000, 0);
+	say(1, 1, &kind, &vehicles);
+	zassert_equal(out.count, 1);
+	pass(SECOND);
+	assert_at(30000, 0);
+	pass(3 * SECOND - 1);
+	zassert_equal(ORDER(205, 0, 0, 20, 0, 0, 0, 2), MAV_RESULT_TEMPORARILY_REJECTED);
+	pass(1);
+	zassert_equal(ORDER(205, 0, 0, 20, 0, 0, 0, 2), MAV_RESULT_ACCEPTED);
 }
 
 ZTEST(mavlink_gimbal_vehicle, test_nobody_is_asked_without_a_vehicle_or_when_told_not_to)
