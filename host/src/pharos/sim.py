@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from .imc import DatagramLink, ImcPeer
 
 START_TIMEOUT_S = 20.0
+# How long a light may take to end in order before it is killed.
+STOP_TIMEOUT_S = 2.0
 # Bounds of one advance while links are attached, so that what the light sends always fits in the
 # host's buffers: a pty's is the smallest, 4 KiB.
 CHUNK_MIN_US = 100_000
@@ -174,8 +176,12 @@ class Simulator:
         if self._control is not None:
             self._control.close()
         if self._process is not None and self._process.poll() is None:
-            self._process.kill()
-            self._process.wait()
+            self._process.terminate()
+            try:
+                self._process.wait(timeout=STOP_TIMEOUT_S)
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+                self._process.wait()
 
     def quit(self, timeout_s: float = 10.0) -> int:
         """Asks the light to end; its exit status."""
