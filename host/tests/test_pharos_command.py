@@ -125,6 +125,31 @@ def test_plain_commands_do_one_thing(
     assert _code("watch", url, "1") == 0
 
 
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("pharos che", {"check"}),
+        ("pharos check --ju", {"--junit"}),
+        ("pharos param sa", {"save"}),
+        ("pharos on tcp", {"tcp:", "tcpin:", "tcp:127.0.0.1:5770"}),
+    ],
+)
+def test_shells_complete_it(tmp_path: Path, line: str, words: set[str]) -> None:
+    answer = tmp_path / "answer"
+    asked = {
+        "_ARGCOMPLETE": "1", "_ARGCOMPLETE_STDOUT_FILENAME": str(answer), "COMP_LINE": line,
+        "COMP_POINT": str(len(line)), "_ARGCOMPLETE_COMP_WORDBREAKS": "", "COMP_TYPE": "9",
+    }  # fmt: skip
+    subprocess.run(PHAROS, env=environment() | asked, check=True, timeout=PATIENCE_S)
+    assert {word.strip() for word in answer.read_text().split("\x0b")} == words
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_what_shells_need_is_printed(shell: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert _code("completion", shell) == 0
+    assert "pharos" in capsys.readouterr().out
+
+
 def test_pharos_alone_shows_what_there_is(capsys: pytest.CaptureFixture[str]) -> None:
     assert _code() == 2
     out = capsys.readouterr().out

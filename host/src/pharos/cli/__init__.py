@@ -36,6 +36,7 @@ CODES = """exit codes: 0 done; 1 refused or failed; 2 not understood; 3 silent o
 
 MAIN = f"""\
 examples:
+  pharos find
   pharos on udp:127.0.0.1:14550
   pharos strobe /dev/ttyUSB0,57600 2Hz 10
   pharos param save udp:127.0.0.1:14550 light.parm
@@ -84,6 +85,28 @@ examples:
 {CODES}
 """
 
+COMPLETION = """\
+examples:
+  eval "$(pharos completion bash)"                             in ~/.bashrc
+  eval "$(pharos completion zsh)"                              in ~/.zshrc, after compinit
+  pharos completion fish > ~/.config/fish/completions/pharos.fish
+"""
+
+FIND = f"""\
+PLACE is a URL as for `pharos shell`, and also
+  udp:ADDRESS:PORT            a broadcast address: every light there
+  can:INTERFACE[/CHANNEL]     every node of that bus, through DroneCAN's tunnel
+  imc:                        what IMC's nodes announce, every 10 s
+Without one, the usual: UDP ports 14540 and 14550 here and on the networks, TCP port 5770, USB
+serial lines, CAN interfaces, and IMC.
+
+examples:
+  pharos find
+  pharos find udp:192.168.1.255:14550 --json
+
+{CODES}
+"""
+
 CHECK = """\
 examples:
   pharos check udp:127.0.0.1:14550
@@ -99,6 +122,10 @@ BUS_HELP = "python-can's INTERFACE/CHANNEL; default: pharos-udp, the user-space 
 
 def main(argv: Sequence[str] | None = None) -> int:
     parser = _parser()
+    if "_ARGCOMPLETE" in os.environ:
+        from .completion import complete
+
+        complete(parser)
     if not (sys.argv[1:] if argv is None else argv):
         parser.print_help()
         return USAGE
@@ -137,6 +164,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     _add_shell(commands)
     _add_plain(commands)
+    _add_find(commands)
     _add_check(commands)
     can = commands.add_parser(
         "can",
@@ -150,6 +178,15 @@ def _parser() -> argparse.ArgumentParser:
     _add_nodes(kinds)
     _add_light(kinds)
     _add_imc(commands)
+    completion = commands.add_parser(
+        "completion",
+        help="complete commands and options in a shell",
+        description="Prints what a shell needs to complete `pharos` with the Tab key.",
+        epilog=COMPLETION,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    completion.add_argument("shell", choices=("bash", "zsh", "fish"))
+    completion.set_defaults(run=_run_completion, json=False)
     return parser
 
 
@@ -203,6 +240,26 @@ def _add_plain(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         parser.add_argument("words", nargs="*", metavar="…", help=argparse.SUPPRESS)
         _add_light_options(parser)
         parser.set_defaults(run=_run_plain, command=command)
+
+
+def _add_find(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    find = commands.add_parser(
+        "find",
+        help="lights within reach",
+        description="Looks for lights and shows each with the URL that reaches it.",
+        epilog=FIND,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    find.add_argument("places", metavar="PLACE", nargs="*", help="where to look")
+    find.add_argument("--json", action="store_true", help="one JSON object per line")
+    find.add_argument(
+        "--seconds", type=_seconds, default=3.0, metavar="S", help="listen so long (default: 3)"
+    )
+    find.add_argument(
+        "--baud", type=_positive, default=57600, metavar="B", help="of serial lines (57600)"
+    )
+    find.add_argument("-v", "--verbose", action="store_true", help="say which place is not there")
+    find.set_defaults(run=_run_find)
 
 
 def _add_check(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -410,6 +467,19 @@ def _run_imc(name: str) -> Callable[[argparse.Namespace, Printer], int]:
         return OK
 
     return run
+
+
+def _run_completion(args: argparse.Namespace, printer: Printer) -> int:
+    from .completion import shell_code
+
+    print(shell_code(args.shell))
+    return OK
+
+
+def _run_find(args: argparse.Namespace, printer: Printer) -> int:
+    from .find import run_find
+
+    return run_find(args, printer)
 
 
 def _run_check(args: argparse.Namespace, printer: Printer) -> int:
