@@ -230,16 +230,24 @@ def test_stdio_ends_the_program_when_asked(start: Start) -> None:
     assert light.process.wait(PATIENCE_S) == 0
 
 
+def start_on_terminal(binary: Path, slave: int) -> subprocess.Popen[bytes]:
+    def own_terminal() -> None:
+        fcntl.ioctl(slave, termios.TIOCSCTTY, 0)
+
+    process = subprocess.Popen(
+        [str(binary), "--console", "none", "--uart0", "stdio"],
+        stdin=slave, stdout=slave, stderr=subprocess.DEVNULL,
+        start_new_session=True, preexec_fn=own_terminal,
+    )  # fmt: skip
+    wait_until(lambda: not termios.tcgetattr(slave)[3] & termios.ICANON, "raw mode")
+    return process
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGSEGV])
 def test_a_terminal_gets_its_mode_back(binary: Path, number: signal.Signals) -> None:
     master, slave = pty.openpty()
     before = termios.tcgetattr(slave)
-    process = subprocess.Popen(
-        [str(binary), "--console", "none", "--uart0", "stdio"],
-        stdin=slave, stdout=slave, stderr=subprocess.DEVNULL,
-        start_new_session=True, preexec_fn=lambda: _own_terminal(slave),
-    )  # fmt: skip
-    wait_until(lambda: not termios.tcgetattr(slave)[3] & termios.ICANON, "raw mode")
+    process = start_on_terminal(binary, slave)
     os.write(master, b"x")
     assert os.read(master, 10) == b"x"
     process.send_signal(number)
@@ -250,8 +258,12 @@ def test_a_terminal_gets_its_mode_back(binary: Path, number: signal.Signals) -> 
     os.close(master)
 
 
-def _own_terminal(slave: int) -> None:
-    fcntl.ioctl(slave, termios.TIOCSCTTY, 0)
+def test_a_terminal_that_hangs_up_ends_the_program(binary: Path) -> None:
+    master, slave = pty.openpty()
+    process = start_on_terminal(binary, slave)
+    os.close(slave)
+    os.close(master)
+    assert process.wait(PATIENCE_S) == -signal.SIGHUP
 
 
 def test_a_slow_reader_stops_nothing(start: Start) -> None:

@@ -39,8 +39,8 @@ static void on_fatal(int number, siginfo_t *info, void *context)
 			sigaction(number, &before[i], NULL);
 		}
 	}
-	/* A fault repeats by itself on return; what somebody has sent has to be sent again. */
-	if (info->si_code <= 0) {
+	/* A fault repeats by itself on return; what came from a process or the terminal does not. */
+	if (info->si_code <= 0 || number == SIGHUP || number == SIGQUIT) {
 		raise(number);
 	}
 }
