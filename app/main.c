@@ -5,6 +5,7 @@
  * The strobe is not in the table: it is a timer (threads/strobe.c); nor is storage: it is a work
  * queue. The shell's thread is Zephyr's.
  */
+#include <zephyr/init.h>
 #include <zephyr/kernel.h>
 #include <zephyr/logging/log.h>
 
@@ -97,15 +98,22 @@ static void start(const struct thread_row *row)
 	k_thread_start(row->thread);
 }
 
+/* Before our drivers touch their hardware, so that whatever hangs from then on is bitten. */
+static int supervise(void)
+{
+	reset_cause_init();
+	supervisor_watch(SUPERVISOR_START);
+	start(&supervisor);
+	return 0;
+}
+
+SYS_INIT(supervise, POST_KERNEL, CONFIG_PHAROS_SUPERVISOR_INIT_PRIORITY);
+BUILD_ASSERT(CONFIG_PHAROS_SUPERVISOR_INIT_PRIORITY < CONFIG_PHAROS_DRIVERS_INIT_PRIORITY,
+             "a driver that hangs is bitten");
+
 int main(void)
 {
 	char cause[RESET_CAUSE_TEXT_MAX];
-
-	/* First of all, so that whatever hangs in the rest is bitten. */
-	startup_done(STARTUP_WATCHDOG, supervisor_start());
-	supervisor_watch(SUPERVISOR_START);
-	reset_cause_init();
-	start(&supervisor);
 
 	reset_cause_text(cause);
 	LOG_INF("Pharos %s, reset cause: %s", PHAROS_VERSION, cause);

@@ -8,7 +8,7 @@
 
 LOG_MODULE_REGISTER(startup);
 
-/* Only main() writes them; a reader sees an old result or the new one. */
+/* One thread writes each; a reader sees an old result or the new one. */
 static volatile int16_t results[STARTUP_STEPS] = {[0 ... STARTUP_STEPS - 1] = STARTUP_PENDING};
 
 static const char *const names[STARTUP_STEPS] = {

@@ -39,7 +39,7 @@ enum startup_step {
 #define STARTUP_ABSENT  1 /* not on this board */
 #define STARTUP_PENDING 2 /* not reached */
 
-/* The step's result, once it is known; one that fails is logged. Before the threads start. */
+/* The step's result, once it is known; one that fails is logged. Start-up, or the supervisor. */
 void startup_done(enum startup_step step, int result);
 
 /* The same of a step that is a device's own start; device NULL: absent. Returns the result. */

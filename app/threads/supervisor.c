@@ -4,7 +4,6 @@
 #include <errno.h>
 
 #include <zephyr/drivers/watchdog.h>
-#include <zephyr/init.h>
 #include <zephyr/kernel.h>
 #include <zephyr/logging/log.h>
 #include <zephyr/sys/atomic.h>
@@ -26,7 +25,6 @@ static atomic_t reported_ms[SUPERVISOR_WATCHES];
 static atomic_t have_reported;
 static int watchdog_channel;
 static uint32_t watchdog_ms;
-static int watchdog_error;
 
 static const char *const names[SUPERVISOR_WATCHES] = {
 	[SUPERVISOR_START] = "start-up",        [SUPERVISOR_THERMAL] = "thermal",
@@ -64,25 +62,17 @@ static int arm(void)
 	return channel < 0 ? channel : wdt_setup(devices.watchdog, WDT_OPT_PAUSE_HALTED_BY_DBG);
 }
 
-static int arm_early(void)
+static void start_watchdog(void)
 {
-	watchdog_error = device_is_ready(devices.watchdog) ? arm() : -ENODEV;
-	return 0;
-}
+	const int error = device_is_ready(devices.watchdog) ? arm() : -ENODEV;
 
-SYS_INIT(arm_early, POST_KERNEL, CONFIG_PHAROS_WATCHDOG_INIT_PRIORITY);
-BUILD_ASSERT(CONFIG_PHAROS_WATCHDOG_INIT_PRIORITY < CONFIG_PHAROS_DRIVERS_INIT_PRIORITY,
-             "a driver that hangs is bitten");
-
-int supervisor_start(void)
-{
-	if (watchdog_error != 0) {
+	startup_done(STARTUP_WATCHDOG, error);
+	if (error != 0) {
 		watchdog_ms = 0;
-		return watchdog_error;
+		return;
 	}
 	LOG_INF("watchdog: %u ms%s", watchdog_ms,
 	        watchdog_ms == SUPERVISOR_WATCHDOG_MS ? "" : ", it ran before");
-	return 0;
 }
 
 uint32_t supervisor_watchdog_ms(void)
@@ -181,6 +171,8 @@ static void bite_instead(int64_t well_ms)
 void supervisor_run(void *p1, void *p2, void *p3)
 {
 	bool has_confirmed = false;
+
+	start_watchdog();
 	int64_t well_ms = k_uptime_get();
 
 	for (;;) {

@@ -51,12 +51,6 @@ enum supervisor_watch {
 _Static_assert(2 * SUPERVISOR_REPORT_MS <= SUPERVISOR_LIMIT_MS, "one late report is no stall");
 _Static_assert(2 * SUPERVISOR_PERIOD_MS <= SUPERVISOR_WATCHDOG_MS, "one late feed is no bite");
 
-/*
- * 0, or -errno of the watchdog's driver. The watchdog is armed, or one that runs already is taken
- * over, before Pharos's own drivers touch their hardware: one that hangs there is bitten.
- */
-int supervisor_start(void);
-
 /* The watchdog's time-out in ms; 0: there is none that works. Any context. */
 uint32_t supervisor_watchdog_ms(void);
 
@@ -73,7 +67,7 @@ int32_t supervisor_age_ms(enum supervisor_watch watch);
 /* Every watched thread has reported at least once. Any context. */
 bool supervisor_all_reported(void);
 
-/* Thread entry. */
+/* Thread entry: arms the watchdog, or takes over one that runs already. */
 void supervisor_run(void *, void *, void *);
 
 #endif

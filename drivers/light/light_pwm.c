@@ -12,6 +12,8 @@
 #include <pharos/drivers/light.h>
 #include <pharos/drivers/probe.h>
 
+#include "pulse.h"
+
 /* 2 kHz: faster than eyes and rolling shutters see */
 #define PERIOD_MAX_NS 500000u
 
@@ -52,9 +54,7 @@ static int write_lit(const struct device *dev, uint32_t output_ppm)
 {
 	const struct light_pwm_config *config = dev->config;
 	const struct light_pwm_data *data = dev->data;
-	/* rounded down: never above the limit */
-	const uint32_t pulse =
-		(uint32_t)(((uint64_t)output_ppm * data->period_cycles) / LIGHT_LEVEL_MAX_PPM);
+	const uint32_t pulse = light_pulse(output_ppm, data->period_cycles);
 	int rc = pwm_set_cycles(config->pwm.dev, config->pwm.channel, data->period_cycles, pulse,
 	                        config->pwm.flags);
 

@@ -114,6 +114,31 @@ def test_an_image_that_never_confirms_itself_is_taken_back(light: Bench) -> None
     assert light.slot(1)[: len(image)] == image
 
 
+@pytest.mark.parametrize(
+    ("device", "kind", "fields"),
+    [
+        ("chip", "never", {"name": "adc"}),
+        ("thermistor", "open", {}),
+        ("chip", "error", {"name": "uart1"}),
+        ("chip", "error", {"name": "watchdog"}),
+    ],
+)
+def test_an_image_with_which_something_does_not_start_is_not_confirmed(
+    light: Bench, device: str, kind: str, fields: dict[str, str]
+) -> None:
+    image = image_of(light.folder / "new.bin", 700)
+    light.begin("new.bin")
+    light.sim.fault(device, kind, **fields)
+    light.wait_reset(0)
+    assert light.slot(0)[: len(image)] == image
+    light.sim.advance(s=3 * CONFIRM_S)
+    assert "on test" in light.firmware()
+    light.sim.fault(device, "none", **fields)
+    light.sim.reset()
+    light.sim.advance(s=CONFIRM_S + 2)
+    assert light.slot(0)[: len(image)] != image, "taken back"
+
+
 def test_blocks_that_fill_whole_reads_end_with_an_empty_one(light: Bench) -> None:
     image = image_of(light.folder / "new.bin", 1024 - 0x200 - 40)
     whole = -len(image) % 256

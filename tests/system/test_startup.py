@@ -292,7 +292,8 @@ def test_a_start_that_hangs_is_bitten_and_dark(start: Start, chip: str) -> None:
 @pytest.mark.parametrize(
     "line",
     ["light status", "light on", "light set brightness 5", "thermal", "param list", "mavlink",
-     "link stats", "selftest", "power status", "can", "imc", "gimbal status", "display", "outputs", "route", "signing status",
+     "link stats", "selftest", "power status", "can", "imc", "gimbal status",
+     "display", "outputs", "route", "signing status",
      "startup", "reset cause"],
 )  # fmt: skip
 def test_the_shell_waits_for_no_thread_that_is_not_there(start: Start, line: str) -> None:

@@ -51,11 +51,6 @@ static uint32_t at(const struct flash_area *fa, off_t off)
 
 int flash_area_read(const struct flash_area *fa, off_t off, void *dst, size_t len)
 {
-	const int fault = fault_pass(BOARD_CHIP_FLASH);
-
-	if (fault != 0) {
-		return fault;
-	}
 	return is_inside(fa, off, len) ? flash_read(flash_store(), at(fa, off), dst, (uint32_t)len)
 	                               : -EINVAL;
 }

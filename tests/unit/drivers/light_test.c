@@ -6,6 +6,7 @@
 
 #include <pharos/drivers/light.h>
 
+#include "light/pulse.h"
 #include "models/board.h"
 
 static const struct device *const light = DEVICE_DT_GET(DT_ALIAS(light0));
@@ -15,8 +16,29 @@ static uint32_t lamp_ppm(void)
 	return board.lamp.level_ppm;
 }
 
+/* Of the PWM or the GPIO controller, whose lines the enable line is one of. */
+static void set_fault(enum board_chip chip, enum board_fault_kind kind)
+{
+	board.faults[chip].kind = kind;
+}
+
+static bool line_is_high(void)
+{
+	return (board_lines_read() & BIT(BOARD_LINE_LAMP_ENABLE)) != 0;
+}
+
+static void light_up(uint32_t level_ppm)
+{
+	zassert_ok(light_set_limit(light, 1000000));
+	zassert_ok(light_set_level(light, level_ppm));
+	zassert_ok(light_set_gate(light, true));
+	zassert_equal(lamp_ppm(), level_ppm);
+}
+
 static void before(void *fixture)
 {
+	set_fault(BOARD_CHIP_PWM, BOARD_FAULT_NONE);
+	set_fault(BOARD_CHIP_GPIO, BOARD_FAULT_NONE);
 	zassert_ok(light_set_gate(light, false));
 	zassert_ok(light_set_level(light, 0));
 	zassert_ok(light_set_limit(light, 0));
@@ -121,6 +143,103 @@ ZTEST(light, test_interrupt_context)
 	zassert_ok(light_set_limit(light, 1000000));
 	irq_offload(in_interrupt, NULL);
 	zassert_equal(lamp_ppm(), 123456);
+}
+
+/* A sixteenth of full on a PWM of 10 cycles is none; of 17 cycles it is one. */
+ZTEST(light, test_pulse_is_never_longer_than_the_output)
+{
+	static const uint32_t periods[] = {1, 2, 3, 7, 10, 17, 85000, 1000000, UINT32_MAX};
+	static const uint32_t outputs[] = {0, 1, 62500, 100001, 333333, 999999, 1000000};
+
+	zassert_equal(light_pulse(62500, 10), 0);
+	zassert_equal(light_pulse(62500, 17), 1);
+	zassert_equal(light_pulse(1000000, 85000), 85000);
+	zassert_equal(light_pulse(999999, 85000), 84999);
+	for (size_t i = 0; i < ARRAY_SIZE(periods); i++) {
+		for (size_t j = 0; j < ARRAY_SIZE(outputs); j++) {
+			const uint64_t pulse = light_pulse(outputs[j], periods[i]);
+
+			zassert_true(pulse * 1000000 <= (uint64_t)outputs[j] * periods[i]);
+			zassert_true((pulse + 1) * 1000000 > (uint64_t)outputs[j] * periods[i]);
+		}
+	}
+}
+
+ZTEST(light, test_level_that_the_pwm_does_not_take_is_dark_by_the_enable_line)
+{
+	struct light_state state;
+
+	light_up(500000);
+	set_fault(BOARD_CHIP_PWM, BOARD_FAULT_ERROR);
+	zassert_equal(light_set_level(light, 600000), -EIO);
+	zassert_equal(lamp_ppm(), 0);
+	zassert_false(line_is_high());
+	light_get(light, &state);
+	zassert_equal(state.output_ppm, 0);
+	zassert_equal(state.error, -EIO);
+	zassert_false(state.stuck);
+	const uint32_t errors = state.errors;
+
+	/* again with each call, dark meanwhile */
+	zassert_equal(light_set_limit(light, 900000), -EIO);
+	zassert_equal(lamp_ppm(), 0);
+	light_get(light, &state);
+	zassert_equal(state.errors, errors + 1);
+	set_fault(BOARD_CHIP_PWM, BOARD_FAULT_NONE);
+	zassert_ok(light_set_limit(light, 900000));
+	zassert_equal(lamp_ppm(), 600000);
+	light_get(light, &state);
+	zassert_equal(state.error, 0);
+	zassert_equal(state.errors, errors + 1, "counted, not forgotten");
+}
+
+ZTEST(light, test_enable_line_that_cannot_be_taken_back_is_dark_by_the_pwm)
+{
+	struct light_state state;
+
+	light_up(500000);
+	set_fault(BOARD_CHIP_GPIO, BOARD_FAULT_ERROR);
+	zassert_equal(light_set_gate(light, false), -EIO);
+	zassert_equal(lamp_ppm(), 0);
+	zassert_true(line_is_high());
+	light_get(light, &state);
+	zassert_false(state.stuck);
+	/* not even for an instant, while the line does as it likes */
+	const uint64_t changes = board.lamp.changes;
+
+	zassert_equal(light_set_gate(light, true), -EIO);
+	zassert_equal(board.lamp.changes, changes);
+	set_fault(BOARD_CHIP_GPIO, BOARD_FAULT_NONE);
+	zassert_ok(light_set_gate(light, true));
+	zassert_equal(lamp_ppm(), 500000);
+}
+
+ZTEST(light, test_enable_line_that_cannot_be_set_is_dark_by_the_pwm)
+{
+	zassert_ok(light_set_limit(light, 1000000));
+	zassert_ok(light_set_level(light, 500000));
+	set_fault(BOARD_CHIP_GPIO, BOARD_FAULT_ERROR);
+	zassert_equal(light_set_gate(light, true), -EIO);
+	zassert_equal(lamp_ppm(), 0);
+	zassert_equal(board.pwm[BOARD_PWM_LAMP].pulse_ns, 0);
+}
+
+ZTEST(light, test_lamp_on_which_nothing_has_effect_is_stuck)
+{
+	struct light_state state;
+
+	light_up(500000);
+	set_fault(BOARD_CHIP_PWM, BOARD_FAULT_ERROR);
+	set_fault(BOARD_CHIP_GPIO, BOARD_FAULT_ERROR);
+	zassert_equal(light_set_limit(light, 0), -EIO);
+	light_get(light, &state);
+	zassert_true(state.stuck);
+	zassert_equal(lamp_ppm(), 500000);
+	set_fault(BOARD_CHIP_GPIO, BOARD_FAULT_NONE);
+	zassert_equal(light_set_limit(light, 0), -EIO);
+	light_get(light, &state);
+	zassert_false(state.stuck);
+	zassert_equal(lamp_ppm(), 0);
 }
 
 /* Runs after all others: nothing lights the lamp again before a reset. */

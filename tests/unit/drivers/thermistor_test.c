@@ -24,6 +24,7 @@ static void set_lamp(double temp_c)
 
 static void before(void *fixture)
 {
+	board.faults[BOARD_CHIP_ADC].kind = BOARD_FAULT_NONE;
 	ntc_input_set_fault(&board.thermistor, NTC_FAULT_NONE);
 	set_lamp(25.0);
 }
@@ -161,4 +162,53 @@ ZTEST(thermistor, test_converter_refuses_what_it_cannot)
 	zassert_equal(adc_read(adc, &sequence), -EINVAL);
 }
 
+static void adc_fault(enum board_fault_kind kind, uint32_t delay_us)
+{
+	board.faults[BOARD_CHIP_ADC] = (struct board_fault){kind, delay_us};
+}
+
+ZTEST(thermistor, test_converter_that_fails_leaves_the_sample_alone)
+{
+	struct thermistor_sample sample = {.raw = 7};
+
+	adc_fault(BOARD_FAULT_ERROR, 0);
+	zassert_equal(thermistor_sample(thermistor, &sample), -EIO);
+	zassert_equal(sample.raw, 7);
+	adc_fault(BOARD_FAULT_NONE, 0);
+	zassert_ok(thermistor_sample(thermistor, &sample));
+}
+
+ZTEST(thermistor, test_converter_may_take_its_time)
+{
+	struct thermistor_sample sample;
+	const int64_t begin_ms = k_uptime_get();
+
+	adc_fault(BOARD_FAULT_LATE, 99000);
+	zassert_ok(thermistor_sample(thermistor, &sample));
+	zassert_equal(k_uptime_get() - begin_ms, 99);
+	zassert_within(sample.temp_mdegc, 25000, 500);
+}
+
 ZTEST_SUITE(thermistor, NULL, NULL, before, NULL, NULL);
+
+/*
+ * Runs after all others: that converter is not asked again. Zephyr's would keep its caller for
+ * ever, and write into the buffer when it comes back.
+ */
+ZTEST(thermistor_silent, test_converter_that_does_not_answer_in_time_is_not_asked_again)
+{
+	struct thermistor_sample sample = {.raw = 7};
+	int64_t begin_ms = k_uptime_get();
+
+	adc_fault(BOARD_FAULT_LATE, 150000);
+	zassert_equal(thermistor_sample(thermistor, &sample), -ETIMEDOUT);
+	zassert_equal(k_uptime_get() - begin_ms, 100);
+	zassert_equal(sample.raw, 7);
+	adc_fault(BOARD_FAULT_NONE, 0);
+	k_msleep(1000);
+	begin_ms = k_uptime_get();
+	zassert_equal(thermistor_sample(thermistor, &sample), -ETIMEDOUT);
+	zassert_equal(k_uptime_get(), begin_ms);
+}
+
+ZTEST_SUITE(thermistor_silent, NULL, NULL, NULL, NULL, NULL);
