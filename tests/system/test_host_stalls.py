@@ -195,3 +195,76 @@ def test_an_unread_terminal_stops_nothing(real: Start) -> None:
     light.run_for(1_500_000)
     light.check_untouched()
     os.close(master)
+
+
+# --- a slow disk ----------------------------------------------------------------------------------
+
+DISK_S = 3.0
+
+
+@pytest.fixture
+def slow(real: Start, tmp_path: Path) -> Start:
+    """A light whose settings lie on a disk that takes DISK_S for each write."""
+
+    def start(*options: str) -> RealLight:
+        preload = BINARY.parent / "tests/native/libslow_disk.so"
+        env = {
+            **os.environ,
+            "LD_PRELOAD": str(preload),
+            "SLOW_DISK_MS": str(int(DISK_S * 1000)),
+            "SLOW_DISK_LOG": str(tmp_path / "disk_log"),
+            "ASAN_OPTIONS": "verify_asan_link_order=0",
+        }
+        console = ("--console", "stdio")
+        return real(
+            "--settings", str(tmp_path / "settings"), *console, *options,
+            env=env, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
+        )  # fmt: skip
+
+    return start
+
+
+def _store(light: RealLight) -> None:
+    """Sets a parameter; its write is under way."""
+    assert light.process.stdin is not None
+    light.process.stdin.write(b"param set LGT_SRC_HOLD 7000\n")
+    light.process.stdin.flush()
+    light.until("a write", lambda: _is_writing(light))
+
+
+def _disk_log(light: RealLight) -> list[str]:
+    log = light.path.parent / "disk_log"
+    return log.read_text().split() if log.exists() else []
+
+
+def _is_writing(light: RealLight) -> bool:
+    return _disk_log(light)[-1:] == ["begin"]
+
+
+def test_a_slow_disk_stops_nothing(slow: Start, tmp_path: Path) -> None:
+    light = slow("--record", str(tmp_path / "record.vcd"), "--trace", str(tmp_path / "trace"))
+    light.switch_on()
+    _store(light)
+    light.run_for(300_000)
+    assert _is_writing(light)  # it went on meanwhile
+    light.run_for(int(DISK_S * 1e6))
+    light.until("the end of the write", lambda: not _is_writing(light))
+    light.check_untouched()
+    assert light.control.request("quit")["ok"]
+    assert light.process.wait(PATIENCE_S) == 0
+
+
+def test_an_end_waits_for_a_write_that_was_begun(slow: Start) -> None:
+    light = slow()
+    _store(light)
+    assert light.control.request("quit")["ok"]
+    assert light.process.wait(PATIENCE_S) == 0
+    assert not _is_writing(light)
+
+
+def test_a_reset_waits_for_a_write_that_was_begun(slow: Start) -> None:
+    light = slow()
+    _store(light)
+    light.control.request("reset")
+    assert not _is_writing(light)
+    assert light.outputs()["resets"] == 1

@@ -7,6 +7,7 @@
 #include <zephyr/kernel.h>
 
 #include "host/clock.h"
+#include "host/helper.h"
 #include "models/board.h"
 
 struct search {
@@ -84,4 +85,47 @@ void bridge_line_pulse_stop(uint32_t line)
 	if (pulses[line].timer.expiry_fn != NULL) {
 		k_timer_stop(&pulses[line].timer);
 	}
+}
+
+/* --- waiting for the host ------------------------------------------------------------------------
+ */
+
+struct wait {
+	struct helper_job job;
+	struct k_sem done;
+	void (*work)(void *arg);
+	void *arg;
+};
+
+static struct helper disk = {.name = "pharos-disk"};
+
+/* On the helper's thread. */
+static void run_work(struct helper_job *job)
+{
+	const struct wait *wait = CONTAINER_OF(job, struct wait, job);
+
+	wait->work(wait->arg);
+}
+
+static void end_wait(struct helper_job *job)
+{
+	k_sem_give(&CONTAINER_OF(job, struct wait, job)->done);
+}
+
+void bridge_wait_for(void (*work)(void *arg), void *arg)
+{
+	struct wait wait = {.job = {.work = run_work, .done = end_wait}, .work = work, .arg = arg};
+
+	if (clock_is_virtual() || k_is_in_isr()) {
+		work(arg);
+		return;
+	}
+	(void)k_sem_init(&wait.done, 0, 1);
+	helper_submit(&disk, &wait.job);
+	(void)k_sem_take(&wait.done, K_FOREVER);
+}
+
+void bridge_finish(void)
+{
+	(void)helper_finish(&disk, HELPER_FINISH_MS);
 }

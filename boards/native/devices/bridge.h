@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What the control socket asks of the kernel's side. No host and no Zephyr headers. Interrupt
- * context.
+ * What the host asks of the kernel's side. No host and no Zephyr headers. Interrupt context, but
+ * for bridge_wait_for().
  */
 #ifndef NATIVE_DEVICES_BRIDGE_H_
 #define NATIVE_DEVICES_BRIDGE_H_
@@ -21,6 +21,16 @@ bool bridge_stall_thread(const char *name, bool stalled, char *names, size_t siz
  * in between ends the pulse. One pulse at a time per line: a new one replaces it.
  */
 void bridge_line_pulse(uint32_t line, bool level, uint32_t pulse_us);
+
+/*
+ * Runs work(arg), which may wait for a disk of the host. In real time a helper runs it
+ * (host/helper.h), and only the calling thread of the device waits, as for a slow device. In
+ * virtual time, and in interrupt context, it runs at once.
+ */
+void bridge_wait_for(void (*work)(void *arg), void *arg);
+
+/* Save and stop hooks of what uses it: waits until work that was begun has ended. */
+void bridge_finish(void);
 
 /* Ends a pulse's timer without touching the line. */
 void bridge_line_pulse_stop(uint32_t line);

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Settings in a file of the host, or in memory. */
 #include <errno.h>
-#include <fcntl.h>
-#include <libgen.h>
 #include <limits.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
+#include <sys/types.h>
 
+#include "devices/bridge.h"
 #include "host/carry.h"
 #include "host/control.h"
+#include "host/kept_file.h"
 #include "host/module.h"
+#include "host/say.h"
 #include "settings_medium.h"
 
 enum {
@@ -20,6 +20,7 @@ enum {
 };
 
 static char path[PATH_MAX];
+static struct kept_file file = {.fd = -1};
 static uint8_t memory[MEMORY_SIZE];
 static size_t memory_length;
 
@@ -138,115 +139,89 @@ static const struct settings_medium memory_medium = {
 
 /* --- in a file -------------------------------------------------------------------------------- */
 
+/*
+ * A call to the disk. In real time the thread that makes it waits as for a slow flash, while a
+ * helper of the host does it and all else goes on.
+ */
+struct call {
+	void *buffer;
+	const void *data;
+	size_t offset;
+	size_t length;
+	bool is_cut;
+	off_t result;
+};
+
+static void do_length(void *arg)
+{
+	((struct call *)arg)->result = kept_file_length(&file);
+}
+
+static void do_read(void *arg)
+{
+	struct call *call = arg;
+
+	call->result = kept_file_read(&file, call->offset, call->buffer, call->length);
+}
+
+static void do_append(void *arg)
+{
+	struct call *call = arg;
+
+	call->result = kept_file_append(&file, call->data, call->length);
+}
+
+static void do_replace(void *arg)
+{
+	struct call *call = arg;
+
+	call->result = kept_file_replace(&file, call->data, call->length, call->is_cut);
+}
+
+static int run(void (*work)(void *arg), struct call *call)
+{
+	bridge_wait_for(work, call);
+	return call->result > INT_MAX ? -EFBIG : (int)call->result;
+}
+
 static int file_length(void)
 {
-	struct stat status;
-
-	if (stat(path, &status) != 0) {
-		return errno == ENOENT ? 0 : -errno;
-	}
-	return status.st_size > INT_MAX ? -EFBIG : (int)status.st_size;
+	return run(do_length, &(struct call){0});
 }
 
 static int file_read(size_t offset, void *buffer, size_t length)
 {
-	const int fd = open(path, O_RDONLY | O_CLOEXEC);
-	size_t done = 0;
-	ssize_t count = 0;
+	struct call call = {.buffer = buffer, .offset = offset, .length = length};
+	const int rc = run(do_read, &call);
 
-	if (fd < 0) {
-		return -errno;
-	}
-	while (done < length && (count = pread(fd, (uint8_t *)buffer + done, length - done,
-	                                       (off_t)(offset + done))) > 0) {
-		done += (size_t)count;
-	}
-	const int rc = count < 0 ? -errno : done < length || is_lost(offset, length) ? -EIO : 0;
-
-	(void)close(fd);
-	return rc;
-}
-
-/* through: how many bytes reach the disk. */
-static int write_all(int fd, const uint8_t *data, size_t length, size_t through)
-{
-	size_t done = 0;
-
-	while (done < through) {
-		const ssize_t count = write(fd, data + done, through - done);
-
-		if (count < 0 && errno != EINTR) {
-			return -errno;
-		}
-		done += count > 0 ? (size_t)count : 0;
-	}
-	return through == length ? 0 : -EIO;
-}
-
-/* Closes fd after its bytes are on the disk; rc: what has happened before. */
-static int finish(int fd, int rc)
-{
-	if (rc == 0 && fdatasync(fd) != 0) {
-		rc = -errno;
-	}
-	if (close(fd) != 0 && rc == 0) {
-		rc = -errno;
-	}
-	return rc;
+	return rc == 0 && is_lost(offset, length) ? -EIO : rc;
 }
 
 static int file_append(const void *data, size_t length)
 {
-	/* Not created here: a new file begins with a replace. */
-	const int fd = open(path, O_WRONLY | O_APPEND | O_CLOEXEC);
+	const int at = file_length();
+	size_t through;
+	int rc;
 
-	return fd < 0 ? -errno
-	              : finish(fd, write_all(fd, data, length,
-	                                     allowed_at((size_t)file_length(), length)));
-}
-
-/* Makes a rename last. */
-static int sync_directory(void)
-{
-	char copy[PATH_MAX];
-	int fd;
-	int rc = 0;
-
-	memcpy(copy, path, sizeof(copy));
-	fd = open(dirname(copy), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-	if (fd < 0) {
-		return -errno;
+	if (at < 0) {
+		return at;
 	}
-	/* Some file systems cannot do this, and need not. */
-	if (fsync(fd) != 0 && errno != EINVAL) {
-		rc = -errno;
-	}
-	(void)close(fd);
-	return rc;
+	through = allowed_at((size_t)at, length);
+	rc = run(do_append, &(struct call){.data = data, .length = through});
+	return rc == 0 && through < length ? -EIO : rc;
 }
 
 static int file_replace(const void *data, size_t length)
 {
-	char new_path[PATH_MAX + 4];
-	int fd;
+	struct call call = {.data = data, .length = allowed(length)};
 	int rc;
 
-	(void)snprintf(new_path, sizeof(new_path), "%s.new", path);
-	fd = open(new_path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-	if (fd < 0) {
-		return -errno;
-	}
-	rc = finish(fd, write_all(fd, data, length, allowed(length)));
-	if (rc == 0 && allowed(1) != 1) {
-		rc = -EIO;
-	}
-	if (rc == 0 && rename(new_path, path) != 0) {
-		rc = -errno;
-	}
+	call.is_cut = call.length < length || allowed(1) != 1;
+	rc = run(do_replace, &call);
 	if (rc == 0) {
 		lost.size = 0;
 	}
-	return rc == 0 ? sync_directory() : rc;
+	return rc;
 }
 
 static const char *file_path(void)
@@ -271,16 +246,9 @@ const struct settings_medium *settings_host_medium(void)
 
 static int parse_path(const char *value, struct host_error *error)
 {
-	struct stat status;
-
 	if (value[0] == '\0' || strlen(value) >= sizeof(path)) {
 		return host_error_set(error, "the path of a file, shorter than %zu bytes",
 		                      sizeof(path));
-	}
-	if (stat(value, &status) == 0 && !S_ISREG(status.st_mode)) {
-		return host_error_set(
-			error, "%s is not a regular file; give the path of one, or of one to make",
-			value);
 	}
 	memcpy(path, value, strlen(value) + 1);
 	return 0;
@@ -325,6 +293,19 @@ static const struct control_fault faults[] = {
 	{0},
 };
 
+static int open_file(void)
+{
+	struct host_error error;
+	size_t size = 0;
+	const int *carried = carry_get("settings/file", &size);
+
+	if (kept_file_open(&file, path, size == sizeof(*carried) ? *carried : -1, &error) != 0) {
+		host_say("--settings: %s", error.text);
+		return -1;
+	}
+	return 0;
+}
+
 /* Memory stands for the board's flash: a reset does not clear it. */
 static int start(void)
 {
@@ -332,6 +313,9 @@ static int start(void)
 	const void *carried = carry_get("settings", &size);
 
 	(void)carry_register("settings lost", &lost, sizeof(lost));
+	if (path[0] != '\0') {
+		return open_file();
+	}
 	if (carried != NULL && size <= sizeof(memory)) {
 		memcpy(memory, carried, size);
 		memory_length = size;
@@ -341,7 +325,19 @@ static int start(void)
 
 static void save(void)
 {
+	bridge_finish();
+	if (path[0] != '\0') {
+		carry_put("settings/file", &file.fd, sizeof(file.fd));
+		carry_fd(file.fd);
+		return;
+	}
 	carry_put("settings", memory, memory_length);
+}
+
+static void stop(void)
+{
+	bridge_finish();
+	kept_file_close(&file);
 }
 
 HOST_MODULE(settings_module) = {
@@ -351,4 +347,5 @@ HOST_MODULE(settings_module) = {
 	.faults = faults,
 	.start = start,
 	.save = save,
+	.stop = stop,
 };
