@@ -5,6 +5,7 @@ for."""
 
 from __future__ import annotations
 
+import copy
 import json
 import math
 import struct
@@ -16,7 +17,7 @@ from pymavlink.generator.mavcrc import x25crc
 
 from pharos import Link, load_dialect
 
-SYSTEM, COMPONENT = 1, 243
+SYSTEM, COMPONENT, GIMBAL = 1, 243, 154
 SHORTEST, LONGEST = 0.05, 20.0
 ON_OFF, CONFIGURE, REQUEST, SET_INTERVAL = 405, 406, 512, 511
 STATUS, INFORMATION, METADATA, INTERVAL = 440, 396, 397, 244
@@ -48,7 +49,7 @@ class ModelLight(Link):
     """The light, and the other end of its wire: send() is what it hears, `inbox` what it says.
     It is a Pacer too: its time passes when it is asked to."""
 
-    def __init__(self, faults: Iterable[str] = (), *, modes: int = 3) -> None:
+    def __init__(self, faults: Iterable[str] = (), *, modes: int = 3, gimbal: bool = False) -> None:
         super().__init__()
         self.faults = frozenset(faults)
         self.asked: set[str] = set()
@@ -57,6 +58,8 @@ class ModelLight(Link):
         self.codec.robust_parsing = True
         self.now = 0
         self.modes = modes
+        self.gimbal = self.d.MAVLink(None, SYSTEM, GIMBAL) if gimbal else None
+        self.attitude_due = SECOND // 10
         self.enable, self.mode = 0, 1
         self.brightness, self.period, self.duty = 100.0, 0.0, 0.0
         self.interval: int = SECOND
@@ -99,7 +102,8 @@ class ModelLight(Link):
     def pump(self, us: int) -> None:
         end = self.now + us
         while True:
-            due = min([self.heartbeat_due, self.status_due, *(at for at, _ in self.later)])
+            own = (self.heartbeat_due, self.status_due, self.attitude_due)
+            due = min([*own, *(at for at, _ in self.later)])
             if due > end:
                 break
             self.now = max(self.now, due)
@@ -113,12 +117,57 @@ class ModelLight(Link):
         if self.now >= self.heartbeat_due:
             self.heartbeat_due += 4 * SECOND if self.has("heartbeat every 4 s") else SECOND
             self.beat()
+        if self.now >= self.attitude_due:
+            self.attitude_due += SECOND // 10
+            self.say_attitude()
         if self.now >= self.status_due:
             self.status_due += self.interval if self.interval > 0 else SECOND
             if self.interval > 0:
                 self.say_status(streamed=True)
 
     # --- saying -------------------------------------------------------------------------------
+    def say_of_gimbal(self, message: Any) -> None:
+        light, self.codec = self.codec, self.gimbal
+        try:
+            self.say(copy.copy(message))
+        finally:
+            self.codec = light
+
+    def say_attitude(self) -> None:
+        if self.gimbal is None or self.has("gimbal is still"):
+            return
+        q = [2.0, 0.0, 0.0, 0.0] if self.has("quaternion too long") else [1.0, 0.0, 0.0, 0.0]
+        self.say_of_gimbal(
+            self.d.MAVLink_gimbal_device_attitude_status_message(
+                0, 0, self.now // 1000, 12, q, 0, 0, 0, 0
+            )
+        )
+
+    def say_gimbal_information(self) -> None:
+        limits = [-math.pi / 2, math.pi / 2]
+        if self.has("gimbal's limits in degrees"):
+            limits = [-90.0, 90.0]
+        if self.has("gimbal's limits upside down"):
+            limits.reverse()
+        self.say_of_gimbal(
+            self.d.MAVLink_gimbal_device_information_message(
+                self.now // 1000, b"Model", b"Gimbal", b"", 1, 1, 0, 0, 0, *limits, *limits, *limits
+            )
+        )
+
+    def on_gimbal_command(self, message: Any) -> None:
+        known = message.param1 == 283 and not self.has("gimbal does not know itself")
+        to = (message.get_srcSystem(), message.get_srcComponent())
+        ack = self.d.MAVLink_command_ack_message(
+            message.command, ACCEPTED if known else DENIED, 0, 0, *to
+        )
+        if self.has("light answers for its gimbal"):
+            self.say(ack)
+        else:
+            self.say_of_gimbal(ack)
+        if known:
+            self.say_gimbal_information()
+
     def say(self, message: Any) -> None:
         old = self.has("answers in MAVLink 1") and message.get_msgId() < 256
         frame = bytes(message.pack(self.codec, force_mavlink1=old))
@@ -146,6 +195,8 @@ class ModelLight(Link):
             kind = 0
         version = 0 if self.has("says version 0") else 3
         self.say(self.d.MAVLink_heartbeat_message(kind, 8, 0, 0, 4, version))
+        if self.gimbal is not None:
+            self.say_of_gimbal(self.d.MAVLink_heartbeat_message(26, 8, 0, 0, 4, 3))
 
     def say_status(self, streamed: bool = False) -> None:
         uptime = self.now // (SECOND if self.has("uptime in seconds") else 1000)
@@ -308,6 +359,9 @@ class ModelLight(Link):
         self.on_command(message, [*p, float(message.x), float(message.y), message.z], True)
 
     def on_command(self, message: Any, p: list[float], as_int: bool = False) -> None:
+        if (message.target_system, message.target_component) == (SYSTEM, GIMBAL) and self.gimbal:
+            self.on_gimbal_command(message)
+            return
         if not self.is_for_us(message, self.WHOSE):
             return
         command = int(message.command)

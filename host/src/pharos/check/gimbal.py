@@ -13,23 +13,31 @@ from .bench import Bench
 from .spec import COMMON, Level, NotOffered, expect, group, requirement
 
 TYPE_GIMBAL = 26
+GIMBAL_HEARTBEAT_US = 2_500_000
 PAGE = "services/gimbal_v2.html"
 DEVICE = "Gimbal Protocol v2, Gimbal Device"
 
 group("GB", "Gimbal device")
 
 
-@contextmanager
-def gimbal(bench: Bench) -> Iterator[Bench]:
-    """The bench talks to the gimbal of the light's system meanwhile."""
-    found = {
+def _gimbals(bench: Bench) -> set[int]:
+    """Components of its system that have said so."""
+    return {
         m.get_srcComponent()
         for m in bench.connection.history
         if m.get_type() == "HEARTBEAT"
         and m.type == TYPE_GIMBAL
         and m.get_srcSystem() == bench.target.system
     }
+
+
+@contextmanager
+def gimbal(bench: Bench) -> Iterator[Bench]:
+    """The bench talks to the gimbal of the light's system meanwhile."""
+    found = _gimbals(bench)
     if not found:
+        bench.listen(GIMBAL_HEARTBEAT_US)
+    if not (found := _gimbals(bench)):
         raise NotOffered("no gimbal device was heard in its system")
     light = bench.connection.target
     bench.connection.target = Target(light.system, min(found))
