@@ -125,6 +125,27 @@ class ModelLight(Link):
             if self.interval > 0:
                 self.say_status(streamed=True)
 
+    # --- what comes out of the lamp -----------------------------------------------------------
+    def level(self, time_us: int) -> float:
+        """Of full, with the settings of now."""
+        if self.has("stays lit when it is off") and not self.enable:
+            return self.brightness / 100
+        if not self.enable or self.has("is dark for good"):
+            return 0.0
+        level = self.brightness / 100
+        if self.has("is all the same to brightness"):
+            level = 0.05
+        period, duty = self.period, self.duty / 100
+        if self.has("flashes where it should be steady") and duty == 1:
+            duty = 0.9
+        if period <= 0 or not 0 < duty < 1:
+            return level
+        if self.has("strobes 10 % too slowly"):
+            period *= 1.1
+        if self.has("takes lit for dark") and duty < 0.5:
+            duty = 1 - duty
+        return level if time_us % (period * 1e6) < duty * period * 1e6 else 0.0
+
     # --- saying -------------------------------------------------------------------------------
     def say_of_gimbal(self, message: Any) -> None:
         light, self.codec = self.codec, self.gimbal

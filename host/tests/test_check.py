@@ -7,6 +7,8 @@ import json
 import re
 import signal
 import subprocess
+import sys
+from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -42,6 +44,7 @@ from pharos.check import (
 from pharos.cli import main
 from pharos.connection import signing_time
 from pharos.parameters import Parameters
+from pharos.photodiode import open_photodiode
 from real_light import BINARY, PATIENCE_S, PHAROS, ROOT, environment, wait_for
 
 # What each fault breaks: the must that names it, and those that cannot hold with it either.
@@ -175,7 +178,7 @@ def test_a_right_light_passes_all_that_it_offers() -> None:
     assert (report.broken(), failing(report, Level.SHOULD), report.left) == ([], [], "")
     assert report.passed
     skipped = {r.requirement.group for r in report.results if r.outcome == "not offered"}
-    assert skipped == {"GB", "SG"}
+    assert skipped == {"GB", "SG", "OP"}
     assert not light.enable
 
 
@@ -233,6 +236,7 @@ def test_each_fault_is_found_by_the_must_that_it_breaks(fault: str) -> None:
 
 def test_each_must_that_a_light_can_break_has_a_fault() -> None:
     found = {must for broken in FAULTS.values() for must in broken}
+    found |= {must for broken in OPTICAL_FAULTS.values() for must in broken}
     found |= {must for build in SIGNING_BUILDS.values() for must in build.breaks}
     musts = {r.id for r in REQUIREMENTS if r.level == Level.MUST}
     # HB-6 has a test of its own; a light that breaks these cannot be talked to.
@@ -391,6 +395,112 @@ def test_a_light_that_signs_says_so_to_who_has_no_key(binary: Path) -> None:
             Light(connection).find()
 
 
+# --- with a sensor --------------------------------------------------------------------------------
+class Sensor:
+    """Sees a light of ours, or of another make, once each millisecond of its time."""
+
+    def __init__(self, clock: Callable[[], int], level: Callable[[int], float]) -> None:
+        self._clock = clock
+        self._level = level
+        self._since_us = 0
+
+    def take(self) -> list[tuple[float, float]]:
+        start, self._since_us = self._since_us, self._clock()
+        return [(t / 1e6, self._level(t)) for t in range(start, self._since_us, 1000)]
+
+    def close(self) -> None:
+        pass
+
+
+OPTICAL_FAULTS: dict[str, tuple[str, ...]] = {
+    "is dark for good": ("OP-1", "OP-2", "OP-3", "OP-4"),
+    "stays lit when it is off": ("OP-1", "OP-2", "OP-3", "OP-4"),
+    "strobes 10 % too slowly": ("OP-2",),
+    "takes lit for dark": ("OP-3",),
+    "flashes where it should be steady": ("OP-4",),
+}
+
+
+def test_a_right_lamp_passes() -> None:
+    light = ModelLight()
+    report = checked(light, "OP", photodiode=Sensor(light.now_us, light.level))
+    assert [r.outcome for r in report.results] == ["passed"] * 5
+
+
+@pytest.mark.parametrize("fault", OPTICAL_FAULTS)
+def test_each_fault_of_the_lamp_is_seen(fault: str) -> None:
+    light = ModelLight({fault})
+    report = checked(light, "OP", photodiode=Sensor(light.now_us, light.level))
+    assert tuple(report.broken()) == OPTICAL_FAULTS[fault]
+
+
+def test_a_lamp_that_does_not_dim_is_weak() -> None:
+    light = ModelLight({"is all the same to brightness"})
+    report = checked(light, "OP", photodiode=Sensor(light.now_us, light.level))
+    assert failing(report, Level.SHOULD) == ["OP-5"]
+
+
+def test_our_lamp_passes(binary: Path) -> None:
+    with Simulator(binary, {"uart0": "udpin:127.0.0.1:0"}) as sim:
+        edges: list[tuple[int, int]] = [(0, 0)]
+
+        def level(time_us: int) -> float:
+            """From the light's own record of its output, which is fetched as time goes on."""
+            if edges[-1][0] <= time_us:
+                edges.extend((e.time_us, e.level_ppm) for e in sim.edges())
+            at = bisect_right(edges, (time_us, 1 << 40))
+            return edges[at - 1][1] / 1e6
+
+        sensor = Sensor(sim.now_us, level)
+        report = _on(sim, sim.connect("uart0"), requirements=selected(["OP"]), photodiode=sensor)
+    assert [r.outcome for r in report.results] == ["passed"] * 5
+
+
+def test_a_sensor_is_a_command(tmp_path: Path) -> None:
+    script = tmp_path / "sensor.py"
+    script.write_text("print('0.5 12'); print('0.6 13', flush=True); input()")
+    sensor = open_photodiode(f"{sys.executable} {script}")
+    samples: list[tuple[float, float]] = []
+
+    def came() -> bool:
+        samples.extend(sensor.take())
+        return len(samples) == 2
+
+    wait_for(came, "two samples")
+    sensor.close()
+    assert samples == [(0.5, 12.0), (0.6, 13.0)]
+
+
+@pytest.mark.parametrize(("text", "hint"), [("print('much light')", "much light"), ("", "ended")])
+def test_a_sensor_that_says_nothing_useful_is_told_of(tmp_path: Path, text: str, hint: str) -> None:
+    script = tmp_path / "sensor.py"
+    script.write_text(text)
+    sensor = open_photodiode(f"{sys.executable} {script}")
+
+    def has_ended() -> bool:
+        try:
+            return bool(sensor.take())
+        except LinkError as error:
+            return hint in str(error)
+
+    wait_for(has_ended, hint)
+    sensor.close()
+    with pytest.raises(UsageError):
+        open_photodiode("/nonexistent/sensor")
+
+
+def test_a_sensor_of_the_kernels_is_read(tmp_path: Path) -> None:
+    raw = tmp_path / "in_intensity_raw"
+    raw.write_text("42\n")
+    sensor = open_photodiode(f"iio:{raw}")
+    samples: list[tuple[float, float]] = []
+    wait_for(lambda: bool(samples.extend(sensor.take()) or len(samples) > 3), "samples")
+    sensor.close()
+    assert {level for _, level in samples} == {42.0}
+    with pytest.raises(LinkError):
+        open_photodiode(f"iio:{tmp_path}/none")
+
+
 # --- what it leaves behind ------------------------------------------------------------------------
 def test_the_light_has_its_settings_back_and_is_off() -> None:
     light = ModelLight()
@@ -458,7 +568,10 @@ def test_the_lamp_is_dim_whenever_it_is_on() -> None:
                 brightest = max(brightest, self.brightness)
             super().acknowledge(*args)
 
+    # Each alone as well, since each may leave it on for the end to deal with.
     checked(Watched())
+    for requirement in REQUIREMENTS:
+        checked(Watched(), requirement.id)
     assert 0 < brightest <= 5
 
 

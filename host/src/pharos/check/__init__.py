@@ -14,6 +14,7 @@ from . import parameters  # isort: skip
 from . import files  # isort: skip
 from . import gimbal  # isort: skip
 from . import signing  # isort: skip
+from . import optics  # isort: skip
 from .report import as_html, as_junit, as_object, as_page
 from .run import Report, Result, check, find, selected
 from .spec import REQUIREMENTS, Level, Requirement
@@ -37,6 +38,7 @@ __all__ = [
     "information",
     "intervals",
     "lamp",
+    "optics",
     "parameters",
     "presence",
     "selected",

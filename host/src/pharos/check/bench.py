@@ -20,6 +20,7 @@ from ..light import (
     MESSAGE_STATUS,
     MODE_INTERNAL,
 )
+from ..photodiode import Photodiode
 from .spec import Failed, NotOffered, expect
 
 # How long an answer may take, and how long a second one is waited for [µs].
@@ -98,9 +99,15 @@ class Facts:
 class Bench:
     """Talks to one light. `log` tells what was sent and seen since begin()."""
 
-    def __init__(self, connection: MavlinkConnection, key: bytes = b"") -> None:
+    def __init__(
+        self,
+        connection: MavlinkConnection,
+        key: bytes = b"",
+        photodiode: Photodiode | None = None,
+    ) -> None:
         self.connection = connection
         self.key = key
+        self.photodiode = photodiode
         self.d = connection.dialect
         self.facts = Facts()
         self.log: list[str] = []

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from ..connection import MavlinkConnection, Target
 from ..errors import PharosError, UsageError
 from ..light import COMMAND_CONFIGURE, COMMAND_ON_OFF, TYPE_ILLUMINATOR, TYPE_STATION
+from ..photodiode import Photodiode
 from .bench import Bench, Settings
 from .intervals import SET_INTERVAL
 from .spec import REQUIREMENTS, Failed, Level, NotOffered, Requirement
@@ -116,6 +117,7 @@ def check(
     requirements: Iterable[Requirement] = REQUIREMENTS,
     *,
     key: bytes = b"",
+    photodiode: Photodiode | None = None,
     on_result: Callable[[Result], None] = lambda _: None,
 ) -> Report:
     """Runs them on the light that the connection addresses. Whatever happens, also an interrupt,
@@ -123,7 +125,7 @@ def check(
     if connection.hears_signed() and not key:
         raise connection.silence("")
     connection.take_all()
-    bench = Bench(connection, key)
+    bench = Bench(connection, key, photodiode)
     report = Report(str(connection.link), connection.target)
     before = _settings(bench)
     try:
@@ -176,6 +178,8 @@ def _maker(bench: Bench) -> str:
 def _leave(bench: Bench, before: Settings | None) -> str:
     """Off, with its settings and its default rate. What could not be put back; "": nothing."""
     try:
+        # Off comes first: these settings may be bright.
+        bench.command(COMMAND_ON_OFF, 0)
         bench.command(SET_INTERVAL, 440, 0)
         if before is not None:
             values = (before.brightness, before.strobe_period, before.strobe_duty_cycle)

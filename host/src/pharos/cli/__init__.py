@@ -285,6 +285,11 @@ def _add_check(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     check.add_argument("--markdown", action="store_true", help="--list as a page")
     check.add_argument("--junit", metavar="FILE", help="write a report for CI")
     check.add_argument("--html", metavar="FILE", help="write a report for people, one page")
+    check.add_argument(
+        "--photodiode",
+        metavar="CMD",
+        help="a program that prints SECONDS LEVEL for each sample, or iio[:FILE]",
+    )
     check.add_argument("-v", "--verbose", action="store_true", help="all that was sent and seen")
     _add_light_options(check, 5.0)
     check.set_defaults(run=_run_check)

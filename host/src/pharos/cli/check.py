@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,7 @@ from ..connection import MavlinkConnection, signing_time
 from ..dialect import load_dialect
 from ..errors import PharosError, UsageError
 from ..link import RealPacer, open_link
+from ..photodiode import open_photodiode
 from ..text import printable
 from .key import read_key
 
@@ -46,13 +48,18 @@ def run_check(args: argparse.Namespace, printer: Printer) -> int:
     if args.url is None:
         raise UsageError("check: which light? URL is missing; --list needs none")
     key = read_key(args.key_file)
-    with open_link(args.url) as link:
+    with ExitStack() as stack:
+        photodiode = None
+        if args.photodiode:
+            photodiode = open_photodiode(args.photodiode)
+            stack.callback(photodiode.close)
+        link = stack.enter_context(open_link(args.url))
         connection = MavlinkConnection(link, RealPacer([link]), load_dialect())
         if key:
             connection.sign(key, signing_time())
         connection.target = check.find(connection, args.target, round(args.timeout * 1e6))
         progress = Progress(console, args.verbose, quiet=args.json)
-        report = check.check(connection, chosen, key=key, on_result=progress)
+        report = check.check(connection, chosen, key=key, photodiode=photodiode, on_result=progress)
     for path, text in ((args.junit, check.as_junit), (args.html, check.as_html)):
         if path:
             write(path, text(report))
