@@ -22,7 +22,7 @@
 #include "threads/imc_link.h"
 #endif
 
-#define BITS_PER_BYTE 10u /* start, 8 data, stop */
+#define FRAME_BITS 10u /* start, 8 data, stop */
 
 /* While the thread wakes and takes that many, the rest of the ring fills. */
 #define RX_WANTED_MAX (UART_RX_RING_SIZE / 4)
@@ -222,7 +222,7 @@ uint32_t uart_link_rate(uint8_t number)
 	if (find(number) == NULL || uart_config_get(devices.uart_links[number], &config) != 0) {
 		return 0;
 	}
-	return config.baudrate / BITS_PER_BYTE;
+	return config.baudrate / FRAME_BITS;
 }
 
 #ifdef CONFIG_PHAROS_ROUTING

@@ -7,6 +7,7 @@
 #include <zephyr/drivers/gpio.h>
 #include <zephyr/drivers/pwm.h>
 #include <zephyr/irq.h>
+#include <zephyr/spinlock.h>
 #include <zephyr/sys/util.h>
 
 #include <pharos/drivers/light.h>
@@ -22,14 +23,17 @@
 struct light_pwm_config {
 	struct pwm_dt_spec pwm;
 	struct gpio_dt_spec enable; /* port NULL: there is none */
-	const struct device *probe; /* or NULL */
 };
 
 struct light_pwm_data {
+	struct k_spinlock lock;
 	struct light_state state;
 	uint32_t output_ppm;    /* as written; OUTPUT_UNKNOWN after an error */
 	uint32_t period_cycles; /* 0: not initialised */
 };
+
+/* A simulated board's; NULL elsewhere. */
+static const struct device *const probe = DEVICE_DT_GET_OR_NULL(DT_ALIAS(probe0));
 
 /* 0, or the first error; *dark: the lamp is dark nonetheless. */
 static int write_dark(const struct device *dev, bool *dark)
@@ -64,7 +68,7 @@ static int write_lit(const struct device *dev, uint32_t output_ppm)
 	return rc;
 }
 
-/* The one place that decides what the lamp does. Interrupts are locked. */
+/* The one place that decides what the lamp does. With the lock, or interrupts locked. */
 static int apply(const struct device *dev)
 {
 	struct light_pwm_data *data = dev->data;
@@ -97,65 +101,63 @@ static int apply(const struct device *dev)
 
 static int light_pwm_set_level(const struct device *dev, uint32_t level_ppm)
 {
-	const struct light_pwm_config *config = dev->config;
 	struct light_pwm_data *data = dev->data;
-	unsigned int key;
+	k_spinlock_key_t key;
 	int rc;
 
 	if (level_ppm > LIGHT_LEVEL_MAX_PPM) {
 		return -EINVAL;
 	}
-	key = irq_lock();
+	key = k_spin_lock(&data->lock);
 	data->state.level_ppm = level_ppm;
 	rc = apply(dev);
-	probe_set(config->probe, PROBE_LEVEL_PPM, level_ppm);
-	irq_unlock(key);
+	probe_set(probe, PROBE_LEVEL_PPM, level_ppm);
+	k_spin_unlock(&data->lock, key);
 	return rc;
 }
 
 static int light_pwm_set_limit(const struct device *dev, uint32_t limit_ppm)
 {
-	const struct light_pwm_config *config = dev->config;
 	struct light_pwm_data *data = dev->data;
-	unsigned int key;
+	k_spinlock_key_t key;
 	int rc;
 
 	if (limit_ppm > LIGHT_LEVEL_MAX_PPM) {
 		return -EINVAL;
 	}
-	key = irq_lock();
+	key = k_spin_lock(&data->lock);
 	data->state.limit_ppm = limit_ppm;
 	rc = apply(dev);
-	probe_set(config->probe, PROBE_LIMIT_PPM, limit_ppm);
-	irq_unlock(key);
+	probe_set(probe, PROBE_LIMIT_PPM, limit_ppm);
+	k_spin_unlock(&data->lock, key);
 	return rc;
 }
 
 static int light_pwm_set_gate(const struct device *dev, bool open)
 {
-	const struct light_pwm_config *config = dev->config;
 	struct light_pwm_data *data = dev->data;
-	const unsigned int key = irq_lock();
+	const k_spinlock_key_t key = k_spin_lock(&data->lock);
 	int rc;
 
 	data->state.gate = open;
 	rc = apply(dev);
-	probe_set(config->probe, PROBE_GATE, open);
-	irq_unlock(key);
+	probe_set(probe, PROBE_GATE, open);
+	k_spin_unlock(&data->lock, key);
 	return rc;
 }
 
 static void light_pwm_get(const struct device *dev, struct light_state *state)
 {
 	struct light_pwm_data *data = dev->data;
-	const unsigned int key = irq_lock();
+	const k_spinlock_key_t key = k_spin_lock(&data->lock);
 
 	*state = data->state;
 	/* after an error the driver has tried to make it dark */
 	state->output_ppm = data->output_ppm == OUTPUT_UNKNOWN ? 0 : data->output_ppm;
-	irq_unlock(key);
+	k_spin_unlock(&data->lock, key);
 }
 
+/* Not with the lock: the fault that it is called for may have come to who holds it. */
 static int light_pwm_off_now(const struct device *dev)
 {
 	struct light_pwm_data *data = dev->data;
@@ -211,18 +213,26 @@ static const struct light_driver_api light_pwm_api = {
 	.off_now = light_pwm_off_now,
 };
 
-#define LIGHT_PWM_PROBE(inst)                                                                      \
-	COND_CODE_1(DT_INST_NODE_HAS_PROP(inst, probe),                                            \
-	            (DEVICE_DT_GET(DT_INST_PHANDLE(inst, probe))), (NULL))
+/*
+ * The driver's calls come from interrupts as well, and so must the PWM's: these wait for a mutex or
+ * a bus (as of Zephyr 4.2).
+ */
+#define PWM_MAY_WAIT(node)                                                                         \
+	(DT_NODE_HAS_COMPAT(node, nxp_imx_pwm) || DT_NODE_HAS_COMPAT(node, nxp_qtmr_pwm) ||        \
+	 DT_NODE_HAS_COMPAT(node, espressif_esp32_ledc) ||                                         \
+	 DT_NODE_HAS_COMPAT(node, espressif_esp32_mcpwm) ||                                        \
+	 DT_NODE_HAS_COMPAT(node, nxp_pca9685_pwm) ||                                              \
+	 DT_NODE_HAS_COMPAT(node, maxim_max31790_pwm) || DT_NODE_HAS_COMPAT(node, ite_it8801_pwm))
 
 #define LIGHT_PWM_DEFINE(inst)                                                                     \
 	BUILD_ASSERT(DT_INST_PWMS_PERIOD(inst) > 0 && DT_INST_PWMS_PERIOD(inst) <= PERIOD_MAX_NS,  \
 	             "the PWM period of a light must be at most 500 us");                          \
+	BUILD_ASSERT(!PWM_MAY_WAIT(DT_PWMS_CTLR(DT_DRV_INST(inst))),                               \
+	             "this PWM's driver cannot be called from an interrupt");                      \
 	static struct light_pwm_data light_pwm_data_##inst;                                        \
 	static const struct light_pwm_config light_pwm_config_##inst = {                           \
 		.pwm = PWM_DT_SPEC_INST_GET(inst),                                                 \
 		.enable = GPIO_DT_SPEC_INST_GET_OR(inst, enable_gpios, {0}),                       \
-		.probe = LIGHT_PWM_PROBE(inst),                                                    \
 	};                                                                                         \
 	DEVICE_DT_INST_DEFINE(inst, light_pwm_init, NULL, &light_pwm_data_##inst,                  \
 	                      &light_pwm_config_##inst, POST_KERNEL,                               \

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Turns on the FIFOs of the links' UARTs: 8 bytes on an STM32G4, 16 on an H7; an F4 has none.
- * Zephyr's driver reads and fills them but leaves them off, unless a board of 3.6 or later says
- * fifo-enable. Without, a byte is lost when an interrupt waits for longer than a byte takes.
+ * Up to Zephyr 3.5 its driver reads and fills them but leaves them off; from 3.6 on this is not
+ * built, and the devicetree says fifo-enable. Without, a byte is lost when an interrupt waits for
+ * longer than a byte takes.
  */
 #include <zephyr/devicetree.h>
 #include <zephyr/init.h>

@@ -15,8 +15,8 @@
 #define DEVICE_API(class_, name_) const struct class_##_driver_api name_
 #endif
 
-/* 3.5: takes the block; before, the address of a pointer to it. ZV: see drivers/CMakeLists.txt. */
-#if defined(ZV) && ZV < 305
+/* 3.5: takes the block; before, the address of a pointer to it. ZV: see zephyr/app.cmake. */
+#if defined(ZV) && ZV < 30499
 #define k_mem_slab_free(slab_, block_)                                                             \
 	do {                                                                                       \
 		void *compat_block = (block_);                                                     \
@@ -40,12 +40,12 @@
 #endif
 
 /* 3.7: what a fault left on the stack. The old name is that of Arm, Arm64, POSIX, RISC-V, SPARC. */
-#if defined(ZV) && ZV < 307
+#if defined(ZV) && ZV < 30699
 #define arch_esf __esf
 #endif
 
 /* 4.4: the shell's bypass has a pointer for its callback, which nothing here needs. */
-#if defined(ZV) && ZV >= 404
+#if defined(ZV) && ZV >= 40399
 #define shell_set_bypass(shell_, callback_) (shell_set_bypass)((shell_), (callback_), NULL)
 #define SHELL_BYPASS_PARAMS(...)            __VA_ARGS__, void *user_data
 #else

@@ -17,12 +17,12 @@
 
 #include <pharos/compat.h>
 
-#define RATE          DT_INST_PROP(0, current_speed)
-#define IRQ           DT_INST_IRQ_BY_NAME(0, uart, irq)
-#define IRQ_PRIORITY  DT_INST_IRQ_BY_NAME(0, uart, priority)
-#define TIMER_IRQ     DT_INST_IRQ_BY_NAME(0, timer, irq)
-#define FIFO_SIZE     DT_INST_PROP(0, fifo_bytes)
-#define BITS_PER_BYTE 10u
+#define RATE         DT_INST_PROP(0, current_speed)
+#define IRQ          DT_INST_IRQ_BY_NAME(0, uart, irq)
+#define IRQ_PRIORITY DT_INST_IRQ_BY_NAME(0, uart, priority)
+#define TIMER_IRQ    DT_INST_IRQ_BY_NAME(0, timer, irq)
+#define FIFO_SIZE    DT_INST_PROP(0, fifo_bytes)
+#define FRAME_BITS   10u
 
 /* Arm CMSDK timer, DDI0479, section 4.4. */
 #define TIMER        DT_REG_ADDR(DT_INST_PHANDLE(0, timer))
@@ -135,8 +135,8 @@ void uart_line_start(const uint8_t *bytes, size_t count, uint8_t *kept, size_t r
 	line.kept = kept;
 	line.room = room;
 	line.result = (struct uart_line_result){0};
-	sys_write32(sys_clock_hw_cycles_per_sec() / (RATE / BITS_PER_BYTE) - 1, TIMER_RELOAD);
-	sys_write32(sys_clock_hw_cycles_per_sec() / (RATE / BITS_PER_BYTE) - 1, TIMER_VALUE);
+	sys_write32(sys_clock_hw_cycles_per_sec() / (RATE / FRAME_BITS) - 1, TIMER_RELOAD);
+	sys_write32(sys_clock_hw_cycles_per_sec() / (RATE / FRAME_BITS) - 1, TIMER_VALUE);
 	sys_write32(TIMER_RUN, TIMER_CTRL);
 }
 

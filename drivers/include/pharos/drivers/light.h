@@ -12,6 +12,12 @@
  * the wish is kept and tried again with the next call, and the lamp is as dark as could be made.
  * An enable line or a pulse of 0 suffices for that; a lamp on which neither has effect is stuck,
  * and only a reset, in which its pins float, is left.
+ *
+ * So a strobe's edge, a timer's interrupt, calls the drivers of the PWM and of the enable line:
+ * pwm_set_cycles() and gpio_pin_set_dt(), with interrupts locked. Zephyr leaves to each driver
+ * whether that is allowed. It is where it writes registers, as those of STM32, nRF, SAM, Gecko and
+ * RP2 do; it is not where it waits for a mutex (i.MX, ESP32) or for a bus, as any expander's.
+ * "pharos,light-pwm" refuses the PWMs known to wait, at build time.
  */
 #ifndef PHAROS_DRIVERS_LIGHT_H_
 #define PHAROS_DRIVERS_LIGHT_H_
