@@ -1,24 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
 #
-# make run     set up, build, and start the light with its shell; ARGS="…" replaces its wires
-# make test    set up, and run every test (tests/run.py; STAGES="unit system" picks some)
-# make build   build/native/pharos
-# make bench   the figures of README, from one run
-# make picture docs/heat.svg, from a simulated hour
-# make parameters docs/parameters.md, from the table
-# make lint    clang-format, ruff, mypy, shellcheck
-# make fuzz    every libFuzzer harness for FUZZ_RUNS executions each
-# make simulate worlds of lights, faults and attackers, from seeds: SEEDS=1:301, SEED=42 tells one,
-#              WORKERS=tcp://HOST:8786 spreads them over a Dask cluster
-# make simulate-worker SCHEDULER=tcp://HOST:8786: this machine's cores work for that cluster
-# make simulate-store power cut at every byte of the store's writes: CUTS=1000000
-# make format  lay out C and Python sources
-# make clean
+# What `make help` prints; ./make is make on a machine that has none yet:
+#
+# make run              set up, build and start the light with its shell; ARGS="…" replaces its wires
+# make build            set up and build the light alone: build/native/pharos
+# make host             set up the command .venv/bin/pharos and its package
+# make test             set up and run every test; STAGES="lint native" picks some
+# make lint             the stage lint: clang-format, ruff, mypy, shellcheck
+# make fuzz             the stage fuzz, FUZZ_RUNS=10000000 executions of each harness
+# make simulate         worlds of lights, faults and attackers: SEEDS=1:301, or SEED=42 told at length;
+#                       WORKERS=tcp://HOST:8786 spreads them over a Dask cluster
+# make simulate-worker  this machine works for that cluster: SCHEDULER=tcp://HOST:8786
+# make simulate-store   a power cut at every byte of what the store writes: CUTS=1000000
+# make bench            the figures of README, from one run
+# make picture          docs/heat.svg, from a simulated hour
+# make parameters       docs/parameters.md, from the table
+# make format           lay out the sources in C and Python
+# make clean            remove build/
+# make help             print this
 
 # Debian's own compilers and tools, whichever others a shell would find first.
 export PATH := /usr/sbin:/usr/bin:/sbin:/bin
 
 PRESET ?= native
+BUILD = build/$(PRESET)
 # Where a ground station listens by default, and a port to connect to.
 ARGS ?= --uart0 udpout:127.0.0.1:14550 --uart1 tcpin:127.0.0.1:5770
 STAGES ?=
@@ -30,54 +35,64 @@ CUTS ?= 1000000
 SCHEDULER ?=
 PYTHON = .venv/bin/python
 
-.PHONY: run test build bench picture parameters lint fuzz simulate simulate-worker simulate-store format clean setup
+.DEFAULT_GOAL = help
+.PHONY: help run build host test lint fuzz bench picture parameters format clean
+.PHONY: simulate simulate-worker simulate-store
+.PHONY: tools test-tools
 
-build: setup
-	@test -f build/$(PRESET)/build.ninja || cmake --preset $(PRESET) --log-level=NOTICE
-	@cmake --build build/$(PRESET)
+help:
+	@sed -n '/^# make /,/^$$/s/^# //p' $(MAKEFILE_LIST)
 
 run: build
-	@exec build/$(PRESET)/pharos $(ARGS)
+	@exec $(BUILD)/pharos $(ARGS)
 
-setup:
+build: tools $(BUILD)/build.ninja
+	@cmake --build $(BUILD) --target app
+
+$(BUILD)/build.ninja: | tools
+	@echo "configuring $(BUILD)"
+	@cmake --preset $(PRESET) --log-level=NOTICE >/dev/null
+
+tools:
 	@boards/native/setup.sh build
 
-test:
+test-tools:
 	@boards/native/setup.sh test
+
+host:
+	@boards/native/setup.sh host
+
+test: test-tools
 	@$(PYTHON) tests/run.py $(STAGES)
 
-bench: build
+lint: test-tools
+	@$(PYTHON) tests/run.py lint
+
+fuzz: test-tools
+	@$(PYTHON) tests/run.py fuzz --fuzz-runs $(FUZZ_RUNS)
+
+simulate: test-tools build
+	@$(PYTHON) tests/sim/world/simulate.py $(if $(SEED),--seed $(SEED),--seeds $(SEEDS) --workers $(WORKERS))
+
+simulate-worker: test-tools build
+	@PYTHONPATH=tests/sim/world .venv/bin/dask worker $(SCHEDULER) --nworkers -1 --nthreads 1
+
+simulate-store: tools $(BUILD)/build.ninja
+	@cmake --build $(BUILD) --target store_sim
+	@$(BUILD)/tests/sim/store_sim --cuts $(CUTS)
+
+bench: test-tools $(BUILD)/build.ninja
+	@cmake --build $(BUILD)
 	@$(PYTHON) tests/bench/run.py
 
-picture: build
+picture: test-tools build
 	@$(PYTHON) docs/heat.py
 
 parameters: build
 	@$(PYTHON) docs/parameters.py
 
-lint:
-	@boards/native/setup.sh test
-	@$(PYTHON) tests/run.py lint
-
-fuzz:
-	@boards/native/setup.sh test
-	@$(PYTHON) tests/run.py fuzz --fuzz-runs $(FUZZ_RUNS)
-
-simulate:
-	@boards/native/setup.sh test
-	@$(MAKE) --no-print-directory build
-	@$(PYTHON) tests/sim/world/run.py $(if $(SEED),--seed $(SEED),--seeds $(SEEDS) --workers $(WORKERS))
-
-simulate-worker:
-	@boards/native/setup.sh test
-	@$(MAKE) --no-print-directory build
-	@PYTHONPATH=tests/sim/world .venv/bin/dask worker $(SCHEDULER) --nworkers -1 --nthreads 1
-
-simulate-store: build
-	@build/$(PRESET)/tests/sim/store_sim --cuts $(CUTS)
-
-format:
-	@git ls-files '*.c' '*.h' | xargs clang-format -i
+format: test-tools
+	@git ls-files '*.c' '*.h' | xargs .venv/bin/clang-format -i
 	@$(PYTHON) -m ruff format host tests boards app docs
 
 clean:

@@ -24,7 +24,7 @@ sys.path.insert(0, str(ROOT / "tests" / "linux"))
 import guest  # noqa: E402
 
 VENV = ROOT / ".venv" / "bin"
-CORES = os.cpu_count() or 1
+CORES = len(os.sched_getaffinity(0))
 FUZZ_RUNS_SHORT = 200_000
 
 
@@ -121,10 +121,10 @@ def lint(_: argparse.Namespace) -> Outcome:
     tracked = subprocess.run(
         ["git", "ls-files", "*.c", "*.h"], cwd=ROOT, capture_output=True, text=True, check=True
     ).stdout.split()
-    scripts = ["make", ".ci/run", "boards/native/setup.sh"]
+    scripts = ["make", ".ci/run", "boards/native/setup.sh", "tests/linux/init.sh"]
     python = ["host", "tests", "boards", "app", "docs"]
     return (
-        check("clang-format", "--dry-run", "-Werror", *tracked, mend="make format")
+        check(VENV / "clang-format", "--dry-run", "-Werror", *tracked, mend="make format")
         + check(VENV / "ruff", "check", *python)
         + check(VENV / "ruff", "format", "--check", *python, mend="make format")
         + check(VENV / "mypy", "--config-file", "host/pyproject.toml", "host/src", "tests")

@@ -7,7 +7,7 @@
     guest.py system [PYTEST…]   those of tests/system that go over a CAN bus, over the guest's vcan0
 
 The guest runs the host's own programs on the host's root, which it cannot change: what it writes
-is gone when it ends. As root, missing packages are installed.
+is gone when it ends. Its packages are those of boards/native/setup.sh test.
 """
 
 from __future__ import annotations
@@ -36,10 +36,6 @@ ROOT = HERE.parent.parent
 CACHE = ROOT / "build" / "guest"
 CONFIG = HERE / "guest.config"
 SOURCE = Path("/usr/src/linux-source-6.12.tar.xz")
-PACKAGES = (
-    "linux-source-6.12", "flex", "bison", "bc", "gcc", "make", "xz-utils",
-    "can-utils", "gpiod", "libgpiod-dev", "iproute2",
-)  # fmt: skip
 MEMORY = "512M"
 # Only for what hangs: each takes a minute or two on a quiet machine.
 TEST_S = 600.0
@@ -91,31 +87,20 @@ def _installed(package: str) -> str:
     return version if status == "installed" else ""
 
 
-def install_packages() -> None:
-    missing = [package for package in PACKAGES if not _installed(package)]
-    if not missing:
-        return
-    if os.geteuid() != 0:
-        raise GuestError(f"packages are missing; as root: apt-get install {' '.join(missing)}")
-    print("guest: installing", *missing, flush=True)
-    quiet = {"DEBIAN_FRONTEND": "noninteractive"}
-    _run("apt-get", "update", "-q", env=quiet)
-    _run("apt-get", "install", "-y", "-q", "--no-install-recommends", *missing, env=quiet)
-
-
 def _options(config: Path) -> set[str]:
     return set(re.findall(r"^CONFIG_\w+=.*$", config.read_text(), re.MULTILINE))
 
 
 def build_kernel() -> Path:
     """The kernel, from the cache or newly built (a few minutes)."""
-    key = hashlib.sha256(CONFIG.read_bytes() + _installed(PACKAGES[0]).encode()).hexdigest()[:16]
+    version = _installed(SOURCE.name.removesuffix(".tar.xz"))
+    key = hashlib.sha256(CONFIG.read_bytes() + version.encode()).hexdigest()[:16]
     kernel = CACHE / f"linux-{key}"
     if kernel.exists():
         return kernel
-    if not SOURCE.exists():
-        raise GuestError(f"{SOURCE} is missing: apt-get install {PACKAGES[0]}")
-    print("guest: building its kernel, once; this takes some minutes", flush=True)
+    if not version:
+        raise GuestError(f"{SOURCE} is missing: run boards/native/setup.sh test")
+    print(f"guest: building its kernel, {version}, once; this takes minutes", flush=True)
     start = time.monotonic()
     CACHE.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=CACHE, prefix="linux-source-") as folder:
@@ -131,7 +116,7 @@ def build_kernel() -> Path:
         dropped = _options(CONFIG) - _options(out / ".config")
         if dropped:
             raise GuestError(f"the kernel does not take {', '.join(sorted(dropped))}")
-        _run(*make, f"-j{os.cpu_count() or 1}", "linux")
+        _run(*make, f"-j{len(os.sched_getaffinity(0))}", "linux")
         _run("strip", out / "linux")
         shutil.move(out / "linux", kernel)
     print(f"guest: built in {time.monotonic() - start:.0f} s", flush=True)
@@ -281,7 +266,6 @@ def _pytest(
     """A command that ends in pytest, in a guest, on the light in `build`."""
     replay = f"PHAROS_BUILD={build} {sys.executable} tests/linux/guest.py {action}"
     try:
-        install_packages()
         build_kernel()
         env = {"PHAROS_BUILD": str(build), **environment()}
         status, text = run(command, env=env, timeout_s=timeout_s)
@@ -338,7 +322,6 @@ def main() -> int:
         parser_of_tests.add_argument("pytest", nargs="*", help="options for pytest, after --")
     args = parser.parse_args()
     try:
-        install_packages()
         if args.action == "build":
             print(build_kernel())
             return 0

@@ -22,8 +22,8 @@ from pharos.control import ControlClient
 ROOT = Path(__file__).resolve().parents[2]
 PATIENCE_S = 30.0
 BUILD = Path(os.environ.get("PHAROS_BUILD", ROOT / "build" / "native")).resolve()
-# Which light to test with each libgpiod.
-BINARIES = {"libgpiod1": BUILD / "pharos"}
+# The light over Debian's libgpiod (1 in Debian 12, 2 in 13), and guest.py's over libgpiod 2.
+BINARIES = {"debian": BUILD / "pharos"}
 if "PHAROS_LIGHT2" in os.environ:
     BINARIES["libgpiod2"] = Path(os.environ["PHAROS_LIGHT2"])
 

@@ -29,7 +29,8 @@ mkdir -p $new/dev/pts $new/dev/shm
 mount -t devpts devpts $new/dev/pts
 mount -t tmpfs tmpfs $new/dev/shm
 ln -sf /proc/self/fd $new/dev/fd
-mount -t hostfs hostfs -o "$SHARE" "$new$SHARE" || die "no share"
+# The folder as mount(2) takes it: fsconfig(), which a newer mount prefers, would need a name for it.
+LIBMOUNT_FORCE_MOUNT2=always mount -t hostfs hostfs -o "$SHARE" "$new$SHARE" || die "no share"
 ip link set lo up
 
 chroot $new /bin/sh "$SHARE/command" </dev/null

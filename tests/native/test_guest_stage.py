@@ -25,7 +25,6 @@ def kernel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Kernel:
         path.write_text(f"#!/bin/sh\n{script}\n")
         path.chmod(0o755)
         monkeypatch.setattr(guest, "build_kernel", lambda: path)
-        monkeypatch.setattr(guest, "install_packages", lambda: None)
         monkeypatch.setattr(guest, "build_light2", lambda: path)
         monkeypatch.delenv(guest.SKIP, raising=False)
 

@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The set-up: Debian's own interpreter and compilers, whichever others come first in PATH."""
+"""The set-up: Debian's own interpreter and compilers, and what make's help and stages say of it."""
 
 from __future__ import annotations
 
 import os
 import re
+import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ.get("PHAROS_BUILD", ROOT / "build" / "native")).resolve()
@@ -25,3 +28,34 @@ def test_the_build_took_debians_compiler_and_this_interpreter() -> None:
     assert python is not None
     assert Path(compiler[1]).parent == Path("/usr/bin")
     assert Path(python[1]) == ROOT / ".venv" / "bin" / "python"
+
+
+def make(*words: str) -> str:
+    done = subprocess.run(["make", "-C", ROOT, *words], capture_output=True, text=True, check=True)
+    return done.stdout
+
+
+def test_make_alone_prints_its_help() -> None:
+    assert make() == make("help")
+
+
+def test_help_tells_of_every_target() -> None:
+    """All but those that only others need."""
+    told = re.findall(r"^make ([\w-]+)  +\S", make("help"), re.MULTILINE)
+    phony = re.findall(r"^\.PHONY: (.*)$", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    assert sorted(told) == sorted(set(" ".join(phony).split()) - {"tools", "test-tools"})
+
+
+@pytest.mark.parametrize("name", ["Makefile", "README.md", "CONTRIBUTING.md", ".ci/run"])
+def test_stages_that_are_named_are_there(name: str) -> None:
+    usage = subprocess.run(
+        [sys.executable, ROOT / "tests" / "run.py", "--help"],
+        capture_output=True, text=True, check=True,
+    ).stdout  # fmt: skip
+    there = re.search(r"any of: ([^;]*);", usage.replace("\n", " "))
+    assert there is not None
+    stages = {stage.strip() for stage in there[1].split(",")}
+    path = ROOT / name
+    text = path.read_text() if path.exists() else ""
+    named = re.findall(r'STAGES="?([\w -]+)|tests/run\.py ([a-z][\w-]*)', text)
+    assert {stage for pair in named for stage in " ".join(pair).split()} <= stages
