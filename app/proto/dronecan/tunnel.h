@@ -5,10 +5,11 @@
  * A channel is one asker: its node and its serial id. The asker opens it with any Targetted that
  * names our node and says that it carries MAVLink (an empty one is a keepalive), and it closes 3 s
  * after the asker's last one. MAVLink is protocol 0, 1, or 255 (undefined), which ArduPilot up to
- * 4.5 always sends; what says that it is anything else is counted and otherwise left. Until the first and after the last nothing is sent. Answers carry the asker's node and
- * serial id, protocol and baud rate; chunks of at most 120 bytes, priority 16, FD when the asker's
- * last one was. Each asker has a port of its own, so the lock option excludes nobody; it is kept to
- * be shown. When every channel is taken, another asker is refused and counted.
+ * 4.5 always sends; what says that it is anything else is counted and otherwise left. Until the
+ * first and after the last nothing is sent. Answers carry the asker's node and serial id, protocol
+ * and baud rate; chunks of at most 120 bytes, priority 16, FD when the asker's last one was. Each
+ * asker has a port of its own, so the lock option excludes nobody; it is kept to be shown. When
+ * every channel is taken, another asker is refused and counted.
  *
  * Context: the thread that owns it, no locks inside.
  */

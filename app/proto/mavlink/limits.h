@@ -62,9 +62,9 @@
 #define MAVLINK_NOTICE_KINDS   6
 #define MAVLINK_NOTICE_GAP_US  10000000
 
-/* Gimbal: how often the vehicle is asked for what does not come, at first and after so many times in
- * vain; when a datum counts as lost and when the vehicle or another manager does; and how often the
- * data are wanted. */
+/* Gimbal: how often the vehicle is asked for what does not come, at first and after so many times
+ * in vain; when a datum counts as lost and when the vehicle or another manager does; and how often
+ * the data are wanted. */
 #define MAVLINK_GIMBAL_ASK_US          1000000
 #define MAVLINK_GIMBAL_ASKS            10
 #define MAVLINK_GIMBAL_ASK_AGAIN_US    30000000

@@ -39,7 +39,7 @@ static void on_fatal(int number, siginfo_t *info, void *context)
 			sigaction(number, &before[i], NULL);
 		}
 	}
-	/* A fault repeats by itself on return; what came from a process or the terminal does not. */
+	/* A fault repeats by itself on return; what a process or the terminal sent does not. */
 	if (info->si_code <= 0 || number == SIGHUP || number == SIGQUIT) {
 		raise(number);
 	}
