@@ -458,7 +458,7 @@ def test_our_lamp_passes(binary: Path) -> None:
 
 def test_a_sensor_is_a_command(tmp_path: Path) -> None:
     script = tmp_path / "sensor.py"
-    script.write_text("print('0.5 12'); print('0.6 13', flush=True); input()")
+    script.write_text("import signal; print('0.5 12'); print('0.6 13', flush=True); signal.pause()")
     sensor = open_photodiode(f"{sys.executable} {script}")
     samples: list[tuple[float, float]] = []
 

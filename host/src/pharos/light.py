@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -22,7 +24,16 @@ MODE_INTERNAL, MODE_EXTERNAL_SYNC = 1, 2
 MODES = {0: "unknown", MODE_INTERNAL: "internal", MODE_EXTERNAL_SYNC: "external sync"}
 ERRORS = {1: "thermal throttling", 2: "over-temperature shutdown", 4: "thermistor failure"}
 
+COMMAND_MOUNT_CONTROL = 205
+MOUNT_TARGETING = 2
+COMPONENT_GIMBAL = 154
+COMMAND_REBOOT = 246
+REBOOT_FORCE = 20190226
+COMMAND_SELF_TEST = 31010  # MAV_CMD_USER_1: this light's own
 ACCEPTED = 0
+IN_PROGRESS = 5
+# A command that takes time says so at least this often [µs].
+PROGRESS_US = 3_000_000
 RESULTS = {
     1: "temporarily rejected: the light is busy; ask again",
     2: "denied: a value is out of range",
@@ -173,18 +184,44 @@ class Light:
         elif message.get_type() == "STATUSTEXT":
             self.texts.append(str(message.text))
 
+    # --- other components of its system -------------------------------------------------------
+    @contextmanager
+    def _component(self, component: int) -> Iterator[None]:
+        """Commands go to that component meanwhile."""
+        light = self.connection.target
+        self.connection.target = Target(light.system, component)
+        try:
+            yield
+        finally:
+            self.connection.target = light
+
+    def point(self, pan_deg: float, tilt_deg: float) -> None:
+        """Turns the beam: pan to the right of the nose, tilt up."""
+        with self._component(COMPONENT_GIMBAL):
+            self.command(COMMAND_MOUNT_CONTROL, tilt_deg, 0, pan_deg, 0, 0, 0, MOUNT_TARGETING)
+
     # --- commands -----------------------------------------------------------------------------
-    def command(self, command: int, *params: float) -> None:
-        """Sends COMMAND_LONG until it is answered."""
+    def command(
+        self,
+        command: int,
+        *params: float,
+        on_progress: Callable[[int], None] = lambda _: None,
+    ) -> None:
+        """Sends COMMAND_LONG until it is answered. One that takes time is waited for as long as it
+        goes on; on_progress: how far it is [%]."""
         connection = self.connection
         for confirmation in range(TRIES):
             connection.send_command_long(command, *params, confirmation=confirmation)
             end = connection.pacer.now_us() + TRY_US
             while (left := end - connection.pacer.now_us()) > 0:
                 for message in self._messages(left, until="COMMAND_ACK"):
-                    if message.get_type() == "COMMAND_ACK" and message.command == command:
+                    if message.get_type() != "COMMAND_ACK" or message.command != command:
+                        continue
+                    if message.result != IN_PROGRESS:
                         self._check(command, int(message.result))
                         return
+                    on_progress(int(message.progress))
+                    end = connection.pacer.now_us() + PROGRESS_US
         raise connection.silence("the light stopped answering")
 
     def _check(self, command: int, result: int) -> None:
@@ -204,6 +241,16 @@ class Light:
 
     def off(self) -> None:
         self.command(COMMAND_ON_OFF, 0)
+
+    def reboot(self, force: bool = False) -> None:
+        """CommandError: not while the lamp is on, unless forced."""
+        self.command(COMMAND_REBOOT, 0, 0, 1, 0, 0, REBOOT_FORCE if force else 0)
+
+    def self_test(
+        self, percent: float = 0, on_progress: Callable[[int], None] = lambda _: None
+    ) -> None:
+        """Sweeps the lamp, up to that brightness (0: full) [%]. Takes seconds."""
+        self.command(COMMAND_SELF_TEST, 1, percent, on_progress=on_progress)
 
     def configure(self, wanted: Status) -> None:
         """Sets mode, brightness, strobe and duty cycle of `wanted`, all or nothing."""

@@ -40,9 +40,9 @@ class _Sampled:
         self._is_closed = False
 
     def take(self) -> list[Sample]:
-        if self._ended:
-            raise LinkError(self._ended)
-        taken = list(self._samples)
+        ended, taken = self._ended, list(self._samples)
+        if ended and not taken:
+            raise LinkError(ended)
         for _ in taken:
             self._samples.popleft()
         return taken

@@ -5,11 +5,28 @@ from __future__ import annotations
 
 import json
 import lzma
-import struct
-import zlib
-from dataclasses import dataclass
 from typing import Any
 
+from ..ftp import (
+    ACK,
+    BURST,
+    CRC32,
+    DATA_MAX,
+    EOF,
+    INVALID_SESSION,
+    LIST,
+    NAK,
+    NOT_FOUND,
+    OPEN,
+    READ,
+    RESET,
+    TERMINATE,
+    UNKNOWN_COMMAND,
+    Reply,
+    crc32,
+    payload,
+    reply_of,
+)
 from .bench import Bench
 from .parameters import listed
 from .spec import Failed, Level, NotOffered, expect, group, requirement
@@ -17,11 +34,6 @@ from .spec import Failed, Level, NotOffered, expect, group, requirement
 PAGE = "services/ftp.html"
 METADATA_PAGE = "services/component_metadata.html"
 CAPABILITY_FTP = 32
-TERMINATE, RESET, LIST, OPEN, READ, CRC32, BURST = 1, 2, 3, 4, 5, 14, 15
-ACK, NAK = 128, 129
-INVALID_SESSION, EOF, UNKNOWN_COMMAND, NOT_FOUND = 4, 6, 7, 10
-HEADER = struct.Struct("<HBBBBBxI")
-DATA_MAX = 239
 FILE_MAX = 1 << 20
 ANSWER_US = 1_000_000
 TRIES = 3
@@ -29,30 +41,6 @@ NO_FILE = "/no/such/file"
 
 group("FT", "MAVLink FTP")
 group("MD", "Component metadata")
-
-
-@dataclass(frozen=True)
-class Reply:
-    sequence: int
-    session: int
-    opcode: int
-    request: int
-    offset: int
-    is_last: bool
-    data: bytes
-
-    @property
-    def error(self) -> int:
-        """MAV_FTP_ERR; 0: acknowledged."""
-        return 0 if self.opcode == ACK else self.data[0] if self.data else 1
-
-
-def reply_of(message: Any) -> Reply:
-    content = bytes(message.payload).ljust(251, b"\0")
-    sequence, session, opcode, size, request, last, offset = HEADER.unpack_from(content)
-    return Reply(
-        sequence, session, opcode, request, offset, bool(last), content[12 : 12 + min(size, 239)]
-    )
 
 
 class Files:
@@ -66,14 +54,12 @@ class Files:
     def send(
         self, opcode: int, data: bytes = b"", session: int = 0, offset: int = 0, size: int = -1
     ) -> None:
-        head = HEADER.pack(
-            Files.sequence, session, opcode, len(data) if size < 0 else size, 0, 0, offset
-        )
+        content = payload(Files.sequence, session, opcode, offset, data, size)
         target = self.bench.target
         self.bench.note(f"→ FTP opcode {opcode}, sequence {Files.sequence}, {data[:60]!r}")
         self.bench.connection.send(
             self.bench.d.MAVLink_file_transfer_protocol_message(
-                0, target.system, target.component, (head + data).ljust(251, b"\0")
+                0, target.system, target.component, content
             )
         )
 
@@ -102,7 +88,7 @@ class Files:
     def read(self, path: str) -> bytes:
         reply = self.ask(OPEN, path.encode())
         expect(reply.error == 0, f"OpenFileRO {path}: error {reply.error}")
-        session, size = reply.session, int.from_bytes(reply.data[:4], "little")
+        session, size = reply.session, reply.number
         expect(size <= FILE_MAX, f"{path} has {size} bytes")
         content = b""
         while len(content) < size:
@@ -145,11 +131,6 @@ def a_file(bench: Bench) -> tuple[Files, str]:
     if not found:
         raise NotOffered("no file in its root folder")
     return files, found[0]
-
-
-def crc32(data: bytes) -> int:
-    """As mavlink.io/en/guide/crc.html has it: from 0, and not inverted at the end."""
-    return zlib.crc32(data, 0xFFFFFFFF) ^ 0xFFFFFFFF
 
 
 @requirement("FT-1", Level.MUST, "has the FTP that it says it has", "FTP, Protocol Discovery", PAGE)
@@ -209,7 +190,7 @@ def reads(bench: Bench) -> None:
     files, path = a_file(bench)
     reply = files.ask(OPEN, path.encode())
     expect(reply.error == 0, f"OpenFileRO {path}: error {reply.error}")
-    session, size = reply.session, int.from_bytes(reply.data[:4], "little")
+    session, size = reply.session, reply.number
     beyond = files.ask(READ, session=session, offset=size, size=DATA_MAX)
     expect(beyond.error == EOF, f"ReadFile at the end: error {beyond.error}, expected 6 (EOF)")
     expect(files.ask(TERMINATE, session=session).error == 0, "TerminateSession was refused")
@@ -251,7 +232,7 @@ def sums(bench: Bench) -> None:
     reply = files.ask(CRC32, path.encode())
     expect(reply.error == 0, f"error {reply.error}")
     expected = crc32(files.read(path))
-    got = int.from_bytes(reply.data[:4], "little")
+    got = reply.number
     expect(got == expected, f"CRC {got:#010x}, of the file {expected:#010x}")
 
 

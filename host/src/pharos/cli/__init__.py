@@ -17,11 +17,10 @@ from ..dialect import load_dialect
 from ..errors import PharosError, UsageError
 from ..light import Light
 from ..link import RealPacer, open_link
-from .key import read_key
+from .key import read_key, run_signing
 from .shell import (
     COMMANDS,
     OK,
-    PARAM_ACTIONS,
     USAGE,
     Printer,
     Shell,
@@ -117,6 +116,8 @@ examples:
 exit codes: 0 no must fails; 1 a must fails; 2 not understood; 3 silent or unreachable
 """
 
+# Commands whose first word says which of several they are: it stands before the URL.
+WITH_ACTION = ("param", "files")
 BUS_HELP = "python-can's INTERFACE/CHANNEL; default: pharos-udp, the user-space bus"
 
 
@@ -164,6 +165,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     _add_shell(commands)
     _add_plain(commands)
+    _add_signing(commands)
     _add_find(commands)
     _add_check(commands)
     can = commands.add_parser(
@@ -224,22 +226,43 @@ def _add_plain(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     for command in COMMANDS.values():
         if command.name in ("help", "quit"):
             continue
-        is_param = command.name == "param"
-        form = "ACTION URL …" if is_param else f"URL {command.usage.partition(' ')[2]}".rstrip()
+        has_action = command.name in WITH_ACTION
+        arguments = command.usage.partition(" ")[2]
+        form = f"ACTION URL {'…' if has_action else arguments}".rstrip()
+        if not has_action:
+            form = form.removeprefix("ACTION ")
         parser = commands.add_parser(
             command.name,
             help=command.help.replace("%", "%%"),
             usage=f"pharos {command.name} {form} [OPTIONS]",
             description=command.help,
-            epilog=PARAM if is_param else CODES,
+            epilog=PARAM if command.name == "param" else CODES,
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
-        if is_param:
-            parser.add_argument("action", metavar="ACTION", choices=tuple(PARAM_ACTIONS))
+        if has_action:
+            parser.add_argument("action", metavar="ACTION", choices=command.words)
         parser.add_argument("url", metavar="URL", help="as for `pharos shell`")
         parser.add_argument("words", nargs="*", metavar="…", help=argparse.SUPPRESS)
         _add_light_options(parser)
         parser.set_defaults(run=_run_plain, command=command)
+
+
+def _add_signing(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    signing = commands.add_parser(
+        "signing",
+        help="give the light a key, so that it obeys only who signs",
+        description=(
+            "setup: gives the light the key of --key-file, which is made if there is none;\n"
+            "off: takes it away. The link must be marked secure in the light (MAV_SECURE)."
+        ),
+        epilog="example:\n  pharos signing setup serial:/dev/ttyUSB0 --key-file light.key\n\n"
+        + CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    signing.add_argument("action", metavar="ACTION", choices=("setup", "off"))
+    signing.add_argument("url", metavar="URL", help="as for `pharos shell`")
+    _add_light_options(signing)
+    signing.set_defaults(run=_run_signing)
 
 
 def _add_find(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -481,6 +504,12 @@ def _run_completion(args: argparse.Namespace, printer: Printer) -> int:
     return OK
 
 
+def _run_signing(args: argparse.Namespace, printer: Printer) -> int:
+    if args.key_file is None:
+        raise UsageError("signing: which key? --key-file FILE")
+    return run_signing(args, printer)
+
+
 def _run_find(args: argparse.Namespace, printer: Printer) -> int:
     from .find import run_find
 
@@ -507,7 +536,7 @@ def _light(args: argparse.Namespace) -> Iterator[Light]:
 
 
 def _run_plain(args: argparse.Namespace, printer: Printer) -> int:
-    words = [args.action, *args.words] if args.command.name == "param" else args.words
+    words = [args.action, *args.words] if args.command.name in WITH_ACTION else args.words
     line = parse_words(args.command.name, words)
     with _light(args) as light:
         return Shell(light, printer).run(line)

@@ -8,14 +8,17 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import IO, Any
 
 from ..errors import CommandError, PharosError, SilentError, UsageError
+from ..ftp import FileClient
 from ..light import Light, Status
 from ..parameters import Parameter, Parameters, is_same, read_file, text_of, write_file
 from ..text import json_line, printable
 
 OK, REFUSED, USAGE, SILENT = 0, 1, 2, 3
+USAGE_WIDTH = 40
 
 _UNITS = {"": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6}
 
@@ -262,6 +265,53 @@ def _parse_info(words: Sequence[str]) -> Callable[[Shell], None]:
     return run
 
 
+def _parse_gimbal(words: Sequence[str]) -> Callable[[Shell], None]:
+    _count(words, 2, 2)
+    pan, tilt = _number(words[0]), _number(words[1])
+    return _acting("gimbal", lambda light: light.point(pan, tilt))
+
+
+def _parse_selftest(words: Sequence[str]) -> Callable[[Shell], None]:
+    _count(words, 0, 1)
+    percent = _percent(words[0]) if words else 0.0
+    return _acting("selftest", lambda light: light.self_test(percent))
+
+
+def _parse_reboot(words: Sequence[str]) -> Callable[[Shell], None]:
+    _count(words, 0, 1)
+    if words and words[0] != "force":
+        raise UsageError(f"'{words[0]}' is not force")
+    return _acting("reboot", lambda light: light.reboot(bool(words)))
+
+
+def _parse_files(words: Sequence[str]) -> Callable[[Shell], None]:
+    if not words or words[0] not in ("list", "get"):
+        raise UsageError("")
+    if words[0] == "list":
+        _count(words[1:], 0, 1)
+        return lambda shell: _files_list(shell, *words[1:])
+    _count(words[1:], 1, 2)
+    return lambda shell: _files_get(shell, *words[1:])
+
+
+def _files_list(shell: Shell, folder: str = "/") -> None:
+    for name, size in FileClient(shell.light).list_files(folder).items():
+        text = name if name.endswith("/") else f"{name:<32} {size}"
+        shell.printer.fields(text, command="files", ok=True, name=name, size=size)
+
+
+def _files_get(shell: Shell, path: str, local: str = "") -> None:
+    content = FileClient(shell.light).read(path)
+    # What the device calls it must not lead elsewhere.
+    target = Path(local or path.rstrip("/").rpartition("/")[2])
+    try:
+        target.write_bytes(content)
+    except (OSError, ValueError) as error:
+        raise PharosError(f"{target}: {error}") from error
+    text = f"{len(content)} bytes in {target}"
+    shell.printer.fields(text, command="files", ok=True, file=str(target), size=len(content))
+
+
 def _parse_param(words: Sequence[str]) -> Callable[[Shell], None]:
     if not words or words[0] not in PARAM_ACTIONS:
         raise UsageError(f"'{words[0]}' is none of {', '.join(PARAM_ACTIONS)}" if words else "")
@@ -349,7 +399,7 @@ def _parse_help(words: Sequence[str]) -> Callable[[Shell], None]:
     if words and words[0] not in COMMANDS:
         raise UsageError(f"'{words[0]}' is no command")
     chosen = [COMMANDS[words[0]]] if words else list(COMMANDS.values())
-    text = [f"{command.usage:<28}{command.help}" for command in chosen]
+    text = [f"{command.usage:<{USAGE_WIDTH}}{command.help}" for command in chosen]
     names = {command.name: command.usage for command in chosen}
     return lambda shell: shell.printer.fields(text, command="help", ok=True, usage=names)
 
@@ -384,6 +434,17 @@ COMMANDS: dict[str, Command] = {
         Command("status", "what was commanded, temperature, errors", _parse_status),
         Command("watch [N]", "each status as it comes, N or until Ctrl-C", _parse_watch),
         Command("info", "maker, model, versions, serial number", _parse_info),
+        Command("gimbal PAN TILT", "point the beam, in degrees: right, up", _parse_gimbal),
+        Command(
+            "files list [FOLDER] | get PATH [FILE]",
+            "files in the light",
+            _parse_files,
+            ("list", "get"),
+        ),
+        Command("selftest [PERCENT]", "sweep the lamp and check it", _parse_selftest),
+        Command(
+            "reboot [force]", "not while the lamp is on, unless forced", _parse_reboot, ("force",)
+        ),
         Command(
             "param ACTION …",
             "list [PATTERN], get NAME, set NAME VALUE, save FILE, load FILE, diff FILE",
