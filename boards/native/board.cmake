@@ -52,6 +52,14 @@ set_property(DIRECTORY ${PHAROS_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS
   ${KCONFIG_SOURCES} ${BINDING_FILES} ${NATIVE_DIR}/native.dts
   ${NATIVE_DIR}/scripts/kconfig.py ${NATIVE_DIR}/scripts/gen_devicetree.py)
 
+# --- version ----------------------------------------------------------------------------------
+file(STRINGS ${PHAROS_DIR}/app/version.h VERSION_NUMBERS
+  REGEX "^#define PHAROS_VERSION_(MAJOR|MINOR|PATCH) [0-9]+$")
+list(TRANSFORM VERSION_NUMBERS REPLACE ".* " "")
+list(JOIN VERSION_NUMBERS "." VERSION)
+set_property(DIRECTORY ${PHAROS_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS
+  ${PHAROS_DIR}/app/version.h)
+
 # --- flags ------------------------------------------------------------------------------------
 add_library(zephyr_interface INTERFACE)
 target_compile_options(zephyr_interface INTERFACE
@@ -95,6 +103,8 @@ endfunction()
 add_library(native_board OBJECT)
 target_link_libraries(native_board PUBLIC zephyr_interface PkgConfig::JANSSON PkgConfig::NETTLE m)
 target_include_directories(native_board PRIVATE ${NATIVE_DIR})
+# What the program calls itself, in --help and on the control socket.
+target_compile_definitions(native_board PRIVATE PHAROS_VERSION="${VERSION}")
 add_subdirectory(${NATIVE_DIR}/kernel)
 add_subdirectory(${NATIVE_DIR}/subsys)
 add_subdirectory(${NATIVE_DIR}/host)

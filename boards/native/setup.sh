@@ -149,7 +149,7 @@ host) option=--constraint ;; # only what the package needs, in the tests' versio
 test) option=--requirement ;;
 *) exit ;;
 esac
-more_stamp=$(stamp requirements-test.txt host/pyproject.toml)
+more_stamp=$(stamp requirements-test.txt host/pyproject.toml app/version.h)
 if [ "$(cat ".venv/$wanted.stamp" 2>/dev/null)" != "$more_stamp" ]; then
 	step "fetching and installing more Python packages" 1 Collecting \
 		pip install --no-compile $option requirements-test.txt --editable host

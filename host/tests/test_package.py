@@ -43,6 +43,8 @@ def test_what_the_firmware_shares_is_in_it(unpacked: Path) -> None:
     shared = {"generate.py": MAVLINK, "pharos.xml": MAVLINK / "dialect"}
     for name, folder in shared.items():
         assert (package / "mavlink" / name).read_bytes() == (folder / name).read_bytes()
+    version = (HOST.parent / "app" / "version.h").read_bytes()
+    assert (package / "version.h").read_bytes() == version
     assert (package / "py.typed").exists()
     assert not (unpacked / "tests").exists()
 

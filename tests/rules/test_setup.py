@@ -7,6 +7,7 @@ import os
 import re
 import subprocess
 import sys
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -59,3 +60,13 @@ def test_stages_that_are_named_are_there(name: str) -> None:
     text = path.read_text() if path.exists() else ""
     named = re.findall(r'STAGES="?([\w -]+)|tests/run\.py ([a-z][\w-]*)', text)
     assert {stage for pair in named for stage in " ".join(pair).split()} <= stages
+
+
+def test_one_version_is_told_by_all() -> None:
+    header = (ROOT / "app" / "version.h").read_text()
+    numbers = re.findall(r"^#define PHAROS_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)$", header, re.M)
+    told = ".".join(numbers)
+    assert re.fullmatch(r"\d+\.\d+\.\d+", told)
+    assert version("pharos") == told
+    done = subprocess.run([BUILD / "pharos", "--version"], capture_output=True, text=True)
+    assert done.stdout == f"pharos {told} (native)\n"

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "host/module.h"
-#include "host/version.h"
 
 enum {
 	HELP_COLUMN = 26

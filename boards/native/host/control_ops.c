@@ -9,7 +9,6 @@
 #include "host/module.h"
 #include "host/prng.h"
 #include "host/reset.h"
-#include "host/version.h"
 #include "host/wire.h"
 #include "kernel/port.h"
 
