@@ -8,6 +8,8 @@ import pytest
 from harness import ACCEPTED, REQUEST_MESSAGE, STATUS, Shell, light_on
 from qemu import QemuSimulator
 
+pytestmark = pytest.mark.only_on("CONFIG_BOARD_MPS2_AN385")
+
 REBOOT = 246  # MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN
 # CONFIG_INIT_STACKS fills them with this.
 UNTOUCHED = 0xAA

@@ -16,6 +16,8 @@ import pytest
 from harness import ACCEPTED, REQUEST_MESSAGE, STATUS, Light, light_on
 from qemu import INSTRUCTIONS_PER_CYCLE, QemuSimulator
 
+pytestmark = pytest.mark.only_on("CONFIG_BOARD_MPS2_AN385")
+
 # docs/boards.md: at 170 MHz, and two cycles per instruction, a command is done within 2 ms and
 # an edge, which delays every other thread, within 50 us.
 COMMAND_MAX = 2_000 * 170 // 2

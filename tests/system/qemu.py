@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A Zephyr image in QEMU (mps2_an385) in place of the native light, over its UARTs.
+"""A Zephyr image in QEMU in place of the native light, over its UARTs: one for mps2_an385, or for
+olimex_stm32_h405 (an STM32F405).
 
 Time is the guest's, in lock-step: instructions are counted, an idle processor jumps to its next
 event, and a breakpoint where it goes idle stops it there. So nothing depends on the host's speed.
@@ -7,7 +8,8 @@ event, and a breakpoint where it goes idle stops it there. So nothing depends on
 QEMU takes a processor that a breakpoint has stopped for an idle one, and its clock jumps to the
 next timer of any device before the stop is complete. So a timer that the image does not use ticks
 while code runs, which bounds that jump; and set to an instant, it is how an idle guest's clock
-gets there.
+gets there. The STM32's image polls its UARTs: its own timer for that, of 1 ms, bounds the jump, and
+is how fine time is.
 
 Of a Simulator this has the wires `uart0` (MAVLink) and `console`, and time; a test that asks for
 more is skipped, and says what for.
@@ -16,6 +18,7 @@ more is skipped, and says what for.
 from __future__ import annotations
 
 import fcntl
+import re
 import select
 import socket
 import struct
@@ -23,6 +26,7 @@ import subprocess
 import termios
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -36,27 +40,69 @@ from pharos.sim import Wire
 
 QEMU = "qemu-system-arm"
 # An instruction takes 2^3 = 8 ns, about what it does on a microcontroller of 170 MHz.
-MACHINE = ["-M", "mps2-an385", "-icount", "shift=3,align=off,sleep=off", "-rtc", "clock=vm"]
+TIME = ["-icount", "shift=3,align=off,sleep=off", "-rtc", "clock=vm"]
 HOST_TIMEOUT_S = 20.0
 BARRIER = bytes.fromhex("bff36f8f")  # isb
 
-# Arm's CMSDK UARTs of this machine: bit 1 of STATE says that a byte waits for the guest, bit 1 of
-# CTRL that the guest receives.
-UARTS = {"console": 0x40004000, "uart0": 0x40005000}
-UART_STATE, UART_CTRL = 4, 8
-UART_RX_FULL, UART_RX_ENABLE = 2, 2
 # SysTick counts down to the next event; its driver counts the cycles until it began to.
 SYST_CVR = 0xE000E018
 ICSR, ICSR_PENDSTSET = 0xE000ED04, 1 << 26
-CYCLES_PER_US = 25
-# The first of Arm's CMSDK timers, at the same clock. Its interrupt stays disabled.
-TIMER = 0x40000000
-TIMER_CTRL, TIMER_VALUE, TIMER_RELOAD = TIMER, TIMER + 4, TIMER + 8
-INSTRUCTIONS_PER_CYCLE = 5  # of 40 ns
+INSTRUCTIONS_PER_CYCLE = 5  # of mps2_an385's cycles, of 40 ns
 CYCLES_WRAP = 1 << 32
 CYCLES_SLEEP_MAX = 1 << 25  # SysTick has 24 bits; more than this at once is a reset
 RAM_START = 0x20000000
 MEMORY_CHUNK = 1024
+
+
+@dataclass(frozen=True)
+class Machine:
+    """What differs between the boards."""
+
+    name: str
+    cycles_per_us: int
+    # QEMU's serial ports, in its order.
+    serials: tuple[str, ...]
+    uarts: Mapping[str, int]
+    # Of a UART: offset and bit of "a byte waits for the guest", and of "the guest receives".
+    rx_full: tuple[int, int]
+    rx_enable: tuple[int, int]
+    # Control, value and reload of a timer whose interrupt stays disabled, at the processor's clock.
+    timer: tuple[int, int, int] | None = None
+
+
+MACHINES = {
+    # The UARTs and the timer are Arm's CMSDK ones.
+    "mps2_an385": Machine(
+        name="mps2-an385",
+        cycles_per_us=25,
+        serials=("console", "uart0"),
+        uarts={"console": 0x40004000, "uart0": 0x40005000},
+        rx_full=(4, 2),
+        rx_enable=(8, 2),
+        timer=(0x40000000, 0x40000004, 0x40000008),
+    ),
+    "olimex_stm32_h405": Machine(
+        name="netduinoplus2",
+        cycles_per_us=168,
+        serials=("uart0", "console"),
+        uarts={"uart0": 0x40011000, "console": 0x40004400},
+        rx_full=(0, 1 << 5),
+        rx_enable=(12, 1 << 2),
+    ),
+}
+
+
+def machine_of(image: Path) -> Machine:
+    """By the board that the image was built for, which its folder says."""
+    configuration = image.with_name(".config")
+    board = re.search(r'^CONFIG_BOARD="(\w+)"$', configuration.read_text(), re.MULTILINE)
+    if board is None:
+        raise SimulatorError(f"{configuration}: no CONFIG_BOARD")
+    # from Zephyr 3.7 on a board's name is without its chip's
+    names = [name for name in MACHINES if name.startswith(board[1])]
+    if not names:
+        raise SimulatorError(f"{image} is for {board[1]}, not for one of {', '.join(MACHINES)}")
+    return MACHINES[names[0]]
 
 
 def symbols(image: Path) -> dict[str, tuple[int, int]]:
@@ -173,12 +219,13 @@ class UartLink(Link):
         (count,) = struct.unpack("i", fcntl.ioctl(self.fileno(), termios.TIOCOUTQ, b"\0" * 4))
         return int(count)
 
-    def hand_over(self) -> bool:
+    def hand_over(self, *, all_at_once: bool) -> bool:
         """Hands the next byte to QEMU, if there is one. One by one: it would give the guest the
-        next at once, wherever the guest is by then."""
-        byte, self._outgoing = self._outgoing[:1], self._outgoing[1:]
-        self._stream.sendall(byte)
-        return bool(byte)
+        next at once, wherever the guest is by then; to a guest that polls that makes no odds."""
+        count = len(self._outgoing) if all_at_once else 1
+        handed, self._outgoing = self._outgoing[:count], self._outgoing[count:]
+        self._stream.sendall(handed)
+        return bool(handed)
 
     def close(self) -> None:
         self._stream.close()
@@ -199,21 +246,24 @@ class QemuSimulator(Simulator):
         options: Sequence[str] = (),
         dialect: Any = None,
     ) -> None:
+        self._machine = machine_of(image)
         for name, address in (wires or {}).items():
-            if name not in UARTS:
+            if name not in self._machine.uarts:
                 pytest.skip(f"needs the native port: the image has no {name}")
             if name == "uart0" and not address.startswith(("qemu", "udpin:127.0.0.1:0")):
                 pytest.skip(f"needs the native port: a UART that is {address.partition(':')[0]}")
         if options:
             pytest.skip("needs the native port: options on its command line")
         super().__init__(image, seed=seed, dialect=dialect)
-        chardevs = {name: self.folder / name for name in ["gdb", *UARTS]}
-        self.command = [QEMU, *MACHINE, "-display", "none", "-monitor", "none", "-S"]
+        chardevs = {name: self.folder / name for name in ["gdb", *self._machine.uarts]}
+        self.command = [QEMU, "-M", self._machine.name, *TIME]
+        self.command += ["-display", "none", "-monitor", "none", "-S"]
         self.command += ["-d", "unimp", "-D", str(self.folder / "devices.log")]
         for name, path in chardevs.items():
             self.command += ["-chardev", f"socket,id={name},path={path},server=on,wait=off"]
-        self.command += ["-gdb", "chardev:gdb", "-serial", "chardev:console"]
-        self.command += ["-serial", "chardev:uart0", "-kernel", str(image)]
+        for name in self._machine.serials:
+            self.command += ["-serial", f"chardev:{name}"]
+        self.command += ["-gdb", "chardev:gdb", "-kernel", str(image)]
         self._symbols = symbols(image)
         self._links: dict[str, UartLink] = {}
         self._debugger: Debugger | None = None
@@ -222,7 +272,7 @@ class QemuSimulator(Simulator):
         self._guest_cycles = 0
         self._cycles_seen = 0
         # Cycles by which a stop may be late; fewer take the host longer.
-        self.tick = 10 * CYCLES_PER_US
+        self.tick = 10 * self._machine.cycles_per_us
         # When the guest woke and when it was idle again, each time, in cycles.
         self.busy: list[tuple[int, int]] = []
 
@@ -235,7 +285,7 @@ class QemuSimulator(Simulator):
             except OSError as error:
                 raise SimulatorError(f"{QEMU}: {error.strerror}: `apt install {QEMU}`?") from error
         self._debugger = Debugger(_connect(self.folder / "gdb", self._process))
-        for name in UARTS:
+        for name in self._machine.uarts:
             self._links[name] = UartLink(name, _connect(self.folder / name, self._process))
         self._debugger.links = list(self._links.values())
         self._break_when_idle(self.address("arch_cpu_idle"))
@@ -262,7 +312,7 @@ class QemuSimulator(Simulator):
     def _advance_once(self, us: int) -> None:
         assert self._debugger is not None
         self._now_us += us
-        until = self._now_us * CYCLES_PER_US
+        until = self._now_us * self._machine.cycles_per_us
         received = {name: a.port.received for name, a in self._attached.items()}
         while (wakes := self._wakes_at()) <= until:
             wakes = max(wakes, self._guest_now)
@@ -270,10 +320,10 @@ class QemuSimulator(Simulator):
             self._debugger.go(self._idle, *self._timer(left))
             self._wakes_at()
             self.busy.append((wakes, self._guest_now))
-        if until > self._guest_now:
+        if until > self._guest_now and self._machine.timer:
             self._debugger.go(None, *self._timer(until - self._guest_now))
             self._wakes_at()
-        self._now_us = self._guest_now // CYCLES_PER_US  # code takes time
+        self._now_us = self._guest_now // self._machine.cycles_per_us  # code takes time
         for attached in self._attached.values():
             while attached.port.poll(0.0):
                 pass
@@ -282,7 +332,10 @@ class QemuSimulator(Simulator):
 
     def _timer(self, first: int) -> list[tuple[int, int]]:
         """Sets the timer, which a reset stops: in that many cycles, and at each tick from then."""
-        return [(TIMER_CTRL, 1), (TIMER_RELOAD, self.tick), (TIMER_VALUE, first)]
+        if self._machine.timer is None:
+            return []
+        control, value, reload = self._machine.timer
+        return [(control, 1), (reload, self.tick), (value, first)]
 
     def _byte_for_guest(self) -> bool:
         """Whether a byte for the guest lies in a UART; waits for QEMU to put it there."""
@@ -293,15 +346,16 @@ class QemuSimulator(Simulator):
                 continue
             while True:
                 left = link.unread()
-                state, control = self._debugger.words(
-                    UARTS[name] + UART_STATE, UARTS[name] + UART_CTRL
-                )
-                if state & UART_RX_FULL:
+                uart = self._machine.uarts[name]
+                full_at, full = self._machine.rx_full
+                enable_at, enable = self._machine.rx_enable
+                state, control = self._debugger.words(uart + full_at, uart + enable_at)
+                if state & full:
                     return True
-                if left == 0 and not link.hand_over():
+                if left == 0 and not link.hand_over(all_at_once=self._machine.timer is None):
                     link.taken = link.sent
                     break
-                if not control & UART_RX_ENABLE:
+                if not control & enable:
                     break
                 if time.monotonic() > deadline:
                     raise SimulatorError(f"{link}: QEMU takes nothing")
