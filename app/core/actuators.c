@@ -77,6 +77,48 @@ bool actuators_set_gpio(struct actuators *self, uint32_t number, bool level)
 	return true;
 }
 
+static bool carry_out(struct actuators *self, int64_t now_us, const struct actuators_event *event)
+{
+	switch (event->kind) {
+	case ACTUATORS_EVENT_POWER:
+		return power_command(&self->power, now_us, event->number, event->timed.op,
+		                     event->timed.us);
+	case ACTUATORS_EVENT_SHUTDOWN:
+		return shutdown_command(&self->shutdown, now_us, event->timed.op, event->timed.us);
+	case ACTUATORS_EVENT_PWM:
+		return actuators_set_pwm(self, event->number, event->pwm.period_us,
+		                         event->pwm.duty_us);
+	case ACTUATORS_EVENT_SERVO:
+		return actuators_set_servo(self, event->number, event->angle_mdeg);
+	case ACTUATORS_EVENT_LED:
+		return actuators_set_led(self, event->number, event->led);
+	case ACTUATORS_EVENT_GPIO:
+		return actuators_set_gpio(self, event->number, event->level);
+	case ACTUATORS_EVENT_THRUSTER:
+		return thruster_set(&self->thruster, now_us, event->share_ppm);
+	case ACTUATORS_EVENT_FOCUS:
+		return focus_command(&self->focus, now_us, event->op);
+	case ACTUATORS_EVENT_ZOOM:
+		focus_move(&self->focus, now_us, (uint32_t)event->share_ppm);
+		return true;
+	case ACTUATORS_EVENT_DISPLAY:
+		return display_command(&self->display, event->display.op, event->display.text,
+		                       event->display.length);
+	}
+	PHAROS_ASSERT(false);
+	return false;
+}
+
+enum actuators_result actuators_step(struct actuators *self, int64_t now_us,
+                                     const struct actuators_event *event)
+{
+	if (carry_out(self, now_us, event)) {
+		return ACTUATORS_ACCEPTED;
+	}
+	/* its controller arms: the only one that takes any value later */
+	return event->kind == ACTUATORS_EVENT_THRUSTER ? ACTUATORS_FAILED : ACTUATORS_DENIED;
+}
+
 bool actuators_is_up(const struct actuators *self)
 {
 	return self->shutdown.state != SHUTDOWN_STATE_DOWN;

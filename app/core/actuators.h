@@ -20,6 +20,7 @@
 #include "core/thruster.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 /* Channel of the lamp's driver. */
@@ -59,6 +60,49 @@ struct actuators {
 	uint32_t gpio_outputs;            /* levels */
 };
 
+enum actuators_event_kind {
+	ACTUATORS_EVENT_POWER,    /* timed, of channel number: power_command() */
+	ACTUATORS_EVENT_SHUTDOWN, /* timed: shutdown_command() */
+	ACTUATORS_EVENT_PWM,      /* pwm */
+	ACTUATORS_EVENT_SERVO,    /* angle_mdeg */
+	ACTUATORS_EVENT_LED,      /* led */
+	ACTUATORS_EVENT_GPIO,     /* level */
+	ACTUATORS_EVENT_THRUSTER, /* share_ppm: thruster_set() */
+	ACTUATORS_EVENT_FOCUS,    /* op: focus_command() */
+	ACTUATORS_EVENT_ZOOM,     /* share_ppm: focus_move() */
+	ACTUATORS_EVENT_DISPLAY,  /* display: display_command() */
+};
+
+/* Values as the functions take them that are named above, or stand below. */
+struct actuators_event {
+	enum actuators_event_kind kind;
+	uint8_t number; /* of several of that kind */
+	union {
+		struct {
+			uint32_t op;
+			int64_t us;
+		} timed;
+		struct actuators_pwm pwm;
+		int32_t angle_mdeg;
+		uint8_t led;
+		bool level;
+		int32_t share_ppm;
+		uint32_t op;
+		struct {
+			uint32_t op;
+			const char *text;
+			size_t length;
+		} display;
+	};
+};
+
+/* DENIED: no such output, or a value out of range. FAILED: not now. Neither changed anything. */
+enum actuators_result {
+	ACTUATORS_ACCEPTED,
+	ACTUATORS_DENIED,
+	ACTUATORS_FAILED,
+};
+
 /* thruster_pulse_us 0: no pulses. */
 struct actuators_outputs {
 	uint32_t power;
@@ -72,6 +116,10 @@ struct actuators_outputs {
 
 /* Everything idle but the power channels. config as above, asserted. */
 void actuators_init(struct actuators *self, int64_t now_us, const struct actuators_config *config);
+
+/* Any of the commands. */
+enum actuators_result actuators_step(struct actuators *self, int64_t now_us,
+                                     const struct actuators_event *event);
 
 /* False: the board has no such output, or duty_us > period_us, or period_us not
  * 1…ACTUATORS_PERIOD_MAX_US; nothing changed. */

@@ -520,6 +520,13 @@ int32_t gimbal_share_mdeg(const struct gimbal *self, enum gimbal_axis_id axis, i
 	return (int32_t)(config->min_mdeg + (range_mdeg * (share_ppm + one) + one) / (2 * one));
 }
 
+int32_t gimbal_share_rate(const struct gimbal *self, enum gimbal_axis_id axis, int32_t share_ppm)
+{
+	const int64_t fastest = self->config.axes[axis].rate_mdeg_per_s;
+
+	return (int32_t)(fastest * share_ppm / (int32_t)PPM_ONE);
+}
+
 const char *gimbal_mode_name(enum gimbal_mode mode)
 {
 	switch (mode) {

@@ -84,11 +84,10 @@ struct gimbal_event {
 	};
 };
 
-/* DENIED: a value of an aim out of range; nothing changed. ABSENT: never of gimbal_step. */
+/* DENIED: a value of an aim out of range; nothing changed. */
 enum gimbal_result {
 	GIMBAL_ACCEPTED,
 	GIMBAL_DENIED,
-	GIMBAL_ABSENT, /* for whoever looks for a gimbal: this device has none */
 };
 
 /* move: the servos shall get these pulses now. */
@@ -174,6 +173,9 @@ struct gimbal_report gimbal_report(const struct gimbal *self, int64_t now_us);
 
 /* Angle of a share of the axis's range: -PPM_ONE is its minimum, PPM_ONE its maximum (asserted). */
 int32_t gimbal_share_mdeg(const struct gimbal *self, enum gimbal_axis_id axis, int32_t share_ppm);
+
+/* A share of an axis's fastest rate, -PPM_ONE…PPM_ONE, in mdeg/s. */
+int32_t gimbal_share_rate(const struct gimbal *self, enum gimbal_axis_id axis, int32_t share_ppm);
 
 /* For people, constant and never NULL: "neutral", … */
 const char *gimbal_mode_name(enum gimbal_mode mode);

@@ -93,7 +93,7 @@ static enum illuminator_result decide_values(const struct illuminator *self,
 	if (!values_valid(&self->config, values)) {
 		return ILLUMINATOR_DENIED;
 	}
-	*next = with_values(self->settings, values);
+	*next = with_values(*next, values);
 	return ILLUMINATOR_ACCEPTED;
 }
 
@@ -142,10 +142,11 @@ static uint32_t clamp_period(const struct illuminator_config *config, uint32_t p
 }
 
 static struct illuminator_settings after_fallback(const struct illuminator *self,
+                                                  const struct illuminator_settings *now,
                                                   enum illuminator_fallback fallback)
 {
 	const struct illuminator_beacon *const beacon = &self->config.beacon;
-	struct illuminator_settings next = self->settings;
+	struct illuminator_settings next = *now;
 
 	switch (fallback) {
 	case ILLUMINATOR_FALLBACK_KEEP:
@@ -166,12 +167,11 @@ static struct illuminator_settings after_fallback(const struct illuminator *self
 	return next;
 }
 
-/* What an event makes of the settings; *next is looked at only when ACCEPTED. */
+/* What an event makes of the settings in *next; looked at only when ACCEPTED. */
 static enum illuminator_result decide(const struct illuminator *self,
                                       const struct illuminator_event *event,
                                       struct illuminator_settings *next)
 {
-	*next = self->settings;
 	switch (event->kind) {
 	case ILLUMINATOR_EVENT_ON_OFF:
 		return decide_enable(self, event->on_off, next);
@@ -184,7 +184,7 @@ static enum illuminator_result decide(const struct illuminator *self,
 	case ILLUMINATOR_EVENT_RESTORE:
 		return decide_restore(self, &event->restore, next);
 	case ILLUMINATOR_EVENT_FALLBACK:
-		*next = after_fallback(self, event->fallback);
+		*next = after_fallback(self, next, event->fallback);
 		return ILLUMINATOR_ACCEPTED;
 	case ILLUMINATOR_EVENT_POWER:
 		next->enable = next->enable && event->powered;
@@ -277,95 +277,76 @@ static bool config_equal(const struct illuminator_config *a, const struct illumi
 	       a->curve == b->curve;
 }
 
-static struct illuminator_action *add(struct illuminator_outbox *out,
-                                      enum illuminator_action_kind kind)
+static uint8_t notice_bit(enum illuminator_notice_kind kind)
 {
-	PHAROS_ASSERT(out->count < ILLUMINATOR_OUTBOX_MAX);
-	struct illuminator_action *action = &out->actions[out->count++];
-
-	action->kind = kind;
-	return action;
+	return (uint8_t)(1u << kind);
 }
 
-static void add_notice(struct illuminator_outbox *out, enum illuminator_notice_kind kind,
-                       const struct thermal_report *report)
+static uint8_t heat_notice(enum thermal_state before, enum thermal_state now)
 {
-	add(out, ILLUMINATOR_ACTION_NOTICE)->notice = (struct illuminator_notice){
-		.kind = kind,
-		.fault = (kind == ILLUMINATOR_NOTICE_SENSOR_FAILED) ? report->fault
-	                                                            : THERMAL_FAULT_NONE,
-		.temp_mdegc = report->temp_mdegc,
-		.temp_valid = report->temp_valid,
-	};
-}
-
-static void add_heat_notice(struct illuminator_outbox *out, enum thermal_state before,
-                            const struct thermal_report *now)
-{
-	if (now->state == before) {
-		return;
+	if (now == before) {
+		return 0;
 	}
-	switch (now->state) {
+	switch (now) {
 	case THERMAL_STATE_SHUTDOWN:
-		add_notice(out, ILLUMINATOR_NOTICE_SHUTDOWN, now);
-		break;
+		return notice_bit(ILLUMINATOR_NOTICE_SHUTDOWN);
 	case THERMAL_STATE_THROTTLING:
-		add_notice(out, ILLUMINATOR_NOTICE_THROTTLING_BEGINS, now);
-		break;
+		return notice_bit(ILLUMINATOR_NOTICE_THROTTLING_BEGINS);
 	case THERMAL_STATE_NORMAL:
-		add_notice(out,
-		           (before == THERMAL_STATE_SHUTDOWN) ? ILLUMINATOR_NOTICE_RECOVERED
-		                                              : ILLUMINATOR_NOTICE_THROTTLING_ENDS,
-		           now);
 		break;
 	}
+	return notice_bit(before == THERMAL_STATE_SHUTDOWN ? ILLUMINATOR_NOTICE_RECOVERED
+	                                                   : ILLUMINATOR_NOTICE_THROTTLING_ENDS);
 }
 
-static void add_sensor_notice(struct illuminator_outbox *out, const struct thermal_report *before,
-                              const struct thermal_report *now)
+static uint8_t sensor_notice(const struct thermal_report *before, const struct thermal_report *now)
 {
 	const bool failed = now->sensor == THERMAL_SENSOR_FAILED;
 	const bool had_failed = before->sensor == THERMAL_SENSOR_FAILED;
 
 	if (failed && (!had_failed || now->fault != before->fault)) {
-		add_notice(out, ILLUMINATOR_NOTICE_SENSOR_FAILED, now);
-	} else if (had_failed && now->sensor == THERMAL_SENSOR_OK) {
-		add_notice(out, ILLUMINATOR_NOTICE_SENSOR_OK, now);
+		return notice_bit(ILLUMINATOR_NOTICE_SENSOR_FAILED);
 	}
+	return had_failed && now->sensor == THERMAL_SENSOR_OK
+	               ? notice_bit(ILLUMINATOR_NOTICE_SENSOR_OK)
+	               : 0;
+}
+
+static void take_report(struct illuminator *self, const struct thermal_report *report,
+                        struct illuminator_outbox *out)
+{
+	out->status = report->flags != self->thermal.flags;
+	out->notices = heat_notice(self->thermal.state, report->state) |
+	               sensor_notice(&self->thermal, report);
+	self->thermal = *report;
 }
 
 /* The event is accepted: all changes, and what they call for. */
 static void apply(struct illuminator *self, int64_t now_us, const struct illuminator_event *event,
                   const struct illuminator_settings *next, struct illuminator_outbox *out)
 {
-	const struct illuminator before = *self;
+	const struct light_plan before = self->plan;
 
+	if (event->kind == ILLUMINATOR_EVENT_CONFIG) {
+		assert_config(&event->config);
+		out->status = !config_equal(&self->config, &event->config);
+		self->config = event->config;
+	} else if (event->kind == ILLUMINATOR_EVENT_THERMAL) {
+		take_report(self, &event->thermal, out);
+	} else if (event->kind == ILLUMINATOR_EVENT_POWER) {
+		self->unpowered = !event->powered;
+	}
 	if (!settings_equal(&self->settings, next)) {
 		self->settings = *next;
 		self->revision++;
 		self->changed_us = now_us;
-	}
-	if (event->kind == ILLUMINATOR_EVENT_CONFIG) {
-		assert_config(&event->config);
-		self->config = event->config;
-	} else if (event->kind == ILLUMINATOR_EVENT_THERMAL) {
-		self->thermal = event->thermal;
-	} else if (event->kind == ILLUMINATOR_EVENT_POWER) {
-		self->unpowered = !event->powered;
+		out->settings = true;
+		out->status = true;
 	}
 	self->test = test_after(self, event);
 	self->plan = self->test.on ? test_plan(&self->test, self->config.curve)
 	                           : plan_of(&self->settings, &self->config);
-
-	if (!plan_equal(&before.plan, &self->plan)) {
-		add(out, ILLUMINATOR_ACTION_LIGHT)->light = self->plan;
-	}
-	if (before.revision != self->revision || before.thermal.flags != self->thermal.flags ||
-	    !config_equal(&before.config, &self->config)) {
-		add(out, ILLUMINATOR_ACTION_STATUS);
-	}
-	add_heat_notice(out, before.thermal.state, &self->thermal);
-	add_sensor_notice(out, &before.thermal, &self->thermal);
+	out->light = !plan_equal(&before, &self->plan);
 }
 
 enum illuminator_result illuminator_step(struct illuminator *self, int64_t now_us,
@@ -373,10 +354,10 @@ enum illuminator_result illuminator_step(struct illuminator *self, int64_t now_u
                                          struct illuminator_outbox *out)
 {
 	PHAROS_ASSERT(now_us >= 0 && now_us <= TIME_MAX_US);
-	struct illuminator_settings next;
+	struct illuminator_settings next = self->settings;
 	const enum illuminator_result result = decide(self, event, &next);
 
-	out->count = 0;
+	*out = (struct illuminator_outbox){.light = false};
 	switch (result) {
 	case ILLUMINATOR_ACCEPTED:
 		self->stats.accepted++;
@@ -388,6 +369,18 @@ enum illuminator_result illuminator_step(struct illuminator *self, int64_t now_u
 	case ILLUMINATOR_FAILED:
 		self->stats.failed++;
 		break;
+	}
+	return result;
+}
+
+enum illuminator_result illuminator_try(const struct illuminator *self,
+                                        const struct illuminator_event *events, size_t count)
+{
+	enum illuminator_result result = ILLUMINATOR_ACCEPTED;
+	struct illuminator_settings next = self->settings;
+
+	for (size_t i = 0; i < count && result == ILLUMINATOR_ACCEPTED; i++) {
+		result = decide(self, &events[i], &next);
 	}
 	return result;
 }

@@ -16,6 +16,7 @@
 #include "core/thermal.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 /* Wire values of MAVLink ILLUMINATOR_MODE; SYNC is its EXTERNAL_SYNC, a name the dialect takes. */
@@ -70,16 +71,17 @@ struct illuminator_config {
 	struct program program;
 };
 
+/* Commands first, up to TEST. */
 enum illuminator_event_kind {
 	ILLUMINATOR_EVENT_ON_OFF,     /* on_off */
 	ILLUMINATOR_EVENT_CONFIGURE,  /* configure: all of 406, enable stays */
 	ILLUMINATOR_EVENT_BRIGHTNESS, /* brightness_ppm, the rest stays */
+	ILLUMINATOR_EVENT_RESTORE,    /* restore: settings saved before, enable too */
+	ILLUMINATOR_EVENT_TEST,       /* test: what the lamp shows meanwhile, or no more */
 	ILLUMINATOR_EVENT_THERMAL,    /* thermal: a new report */
 	ILLUMINATOR_EVENT_CONFIG,     /* config: new parameters; settings in force stay */
-	ILLUMINATOR_EVENT_RESTORE,    /* restore: settings saved before, enable too */
 	ILLUMINATOR_EVENT_FALLBACK,   /* fallback: every commander is silent */
 	ILLUMINATOR_EVENT_POWER,      /* powered: the lamp's driver has power, or none */
-	ILLUMINATOR_EVENT_TEST,       /* test: what the lamp shows meanwhile, or no more */
 };
 
 /* As in the settings, but any value may be given: what is out of range is DENIED. */
@@ -124,13 +126,6 @@ enum illuminator_result {
 	ILLUMINATOR_FAILED,
 };
 
-enum illuminator_action_kind {
-	ILLUMINATOR_ACTION_LIGHT,  /* light: the plan is new, carry it out */
-	ILLUMINATOR_ACTION_STATUS, /* settings, flags or limits differ from before (not: temperature
-	                              alone) */
-	ILLUMINATOR_ACTION_NOTICE, /* notice: tell people; the sender limits the rate */
-};
-
 enum illuminator_notice_kind {
 	ILLUMINATOR_NOTICE_THROTTLING_BEGINS,
 	ILLUMINATOR_NOTICE_THROTTLING_ENDS,
@@ -140,26 +135,13 @@ enum illuminator_notice_kind {
 	ILLUMINATOR_NOTICE_SENSOR_OK,
 };
 
-/* fault: of SENSOR_FAILED, else NONE. temp_mdegc: as in the report, with temp_valid. */
-struct illuminator_notice {
-	enum illuminator_notice_kind kind;
-	enum thermal_fault fault;
-	int32_t temp_mdegc;
-	bool temp_valid;
-};
-
-struct illuminator_action {
-	enum illuminator_action_kind kind;
-	union {
-		struct light_plan light;
-		struct illuminator_notice notice;
-	};
-};
-
-/* In the order in which to perform them. */
+/* What differs after a step, to be read from the illuminator itself. */
 struct illuminator_outbox {
-	uint32_t count;
-	struct illuminator_action actions[ILLUMINATOR_OUTBOX_MAX];
+	bool light;      /* plan: to be carried out */
+	bool settings;   /* settings */
+	bool status;     /* settings, flags or limits (not: temperature alone) */
+	uint8_t notices; /* bit per kind, to tell people in this order; the teller limits the rate.
+	                    The fault of SENSOR_FAILED is the report's. */
 };
 
 struct illuminator_stats {
@@ -195,6 +177,13 @@ void illuminator_init(struct illuminator *self, const struct illuminator_config 
 enum illuminator_result illuminator_step(struct illuminator *self, int64_t now_us,
                                          const struct illuminator_event *event,
                                          struct illuminator_outbox *out);
+
+/*
+ * What would become of all of these, one after the other: the first that is not ACCEPTED. Commands
+ * only: what else an event changes besides the settings is not looked at.
+ */
+enum illuminator_result illuminator_try(const struct illuminator *self,
+                                        const struct illuminator_event *events, size_t count);
 
 /* ILLUMINATOR_ERROR_FLAGS now: THERMAL_FLAG_… */
 uint32_t illuminator_error_flags(const struct illuminator *self);

@@ -8,6 +8,9 @@
 
 #include <stdint.h>
 
+/* Lamps of a device. */
+#define DEVICE_LAMPS_MAX 1
+
 /* Ratios are parts per million: a perceptual curve needs that fineness at its dark end. */
 #define PPM_ONE 1000000u
 
@@ -33,14 +36,6 @@
 #define GIMBAL_PULSE_MIN_US   500
 #define GIMBAL_PULSE_MAX_US   2500
 #define GIMBAL_FRAME_US       20000
-
-/* One step of the illuminator: a light plan, a status, and a notice for each of heat and sensor. */
-#define ILLUMINATOR_STEP_LIGHTS   1
-#define ILLUMINATOR_STEP_STATUSES 1
-#define ILLUMINATOR_STEP_NOTICES  2
-#define ILLUMINATOR_STEP_ACTIONS_MAX                                                               \
-	(ILLUMINATOR_STEP_LIGHTS + ILLUMINATOR_STEP_STATUSES + ILLUMINATOR_STEP_NOTICES)
-#define ILLUMINATOR_OUTBOX_MAX 4
 
 /* MAVLink PARAM_VALUE.param_id is 16 bytes and DroneCAN allows more: 16 without the terminator. */
 #define PARAMS_NAME_MAX 16
@@ -76,7 +71,6 @@
 #define DISPLAY_COLUMNS 16u
 
 _Static_assert(POWER_SCHEDULE_MAX_US < TIME_MAX_US, "a scheduled time fits");
-_Static_assert(ILLUMINATOR_OUTBOX_MAX >= ILLUMINATOR_STEP_ACTIONS_MAX, "a step fits the outbox");
 _Static_assert((uint64_t)STROBE_PERIOD_CEILING_US *PPM_ONE < (uint64_t)INT64_MAX,
                "period times ratio fits 64 bits");
 _Static_assert(SELF_TEST_STEPS % 2 == 0, "a self-test reaches its peak");

@@ -10,15 +10,15 @@
 
 #include <pharos/compat.h>
 
-#include "threads/command.h"
 #include "threads/devices.h"
+#include "threads/inbox.h"
+#include "threads/limits.h"
 #include "threads/startup.h"
 #include "threads/supervisor.h"
 
 LOG_MODULE_REGISTER(can_link);
 
 CAN_MSGQ_DEFINE(received, CONFIG_PHAROS_CAN_RX_FRAMES);
-K_MEM_SLAB_DEFINE_STATIC(frame_pool, ROUND_UP(sizeof(struct dronecan_frame), 8), CAN_FRAMES_MAX, 8);
 
 static struct can_link_stats stats;
 static int filter_ids[2 * CAN_LINK_FILTERS_MAX];
@@ -33,7 +33,7 @@ static atomic_t blocked;
 static void unblock(void)
 {
 	if (atomic_set(&blocked, 0) != 0) {
-		command_wake();
+		inbox_wake();
 	}
 }
 
@@ -229,28 +229,17 @@ struct can_link_status can_link_status_get(void)
 
 /* --- thread ----------------------------------------------------------------------------------- */
 
-void can_link_frame_free(struct dronecan_frame *frame)
-{
-	k_mem_slab_free(&frame_pool, (void *)frame);
-}
-
 /* To the command thread, which takes it before this one goes on; waits while it is behind. */
 static void post(const struct can_frame *from)
 {
-	void *block;
+	struct dronecan_frame frame = {
+		.id = from->id,
+		.fd = (from->flags & CAN_FRAME_FDF) != 0,
+		.size = MIN(can_dlc_to_bytes(from->dlc), sizeof(from->data)),
+	};
 
-	while (k_mem_slab_alloc(&frame_pool, &block, K_MSEC(SUPERVISOR_REPORT_MS)) != 0) {
-		supervisor_report(SUPERVISOR_CAN_LINK);
-	}
-	struct dronecan_frame *const frame = block;
-
-	frame->id = from->id;
-	frame->fd = (from->flags & CAN_FRAME_FDF) != 0;
-	frame->size = MIN(can_dlc_to_bytes(from->dlc), sizeof(from->data));
-	memcpy(frame->data, from->data, frame->size);
-	while (command_post_can(frame) != 0) {
-		supervisor_report(SUPERVISOR_CAN_LINK);
-	}
+	memcpy(frame.data, from->data, frame.size);
+	inbox_post_can(&frame, SUPERVISOR_CAN_LINK);
 }
 
 void can_link_run(void *p1, void *p2, void *p3)

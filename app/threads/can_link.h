@@ -62,9 +62,6 @@ void can_link_listen(const struct can_link_filter *filters, size_t count);
  */
 bool can_link_send(const struct dronecan_frame *frame);
 
-/* Gives a received frame's buffer back to the pool. Command thread. */
-void can_link_frame_free(struct dronecan_frame *frame);
-
 /* Any thread. */
 struct can_link_status can_link_status_get(void);
 

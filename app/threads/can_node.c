@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "threads/can_node.h"
 
-#include <errno.h>
 #include <string.h>
 
 #include <zephyr/drivers/hwinfo.h>
@@ -16,8 +15,8 @@
 #include "threads/devices.h"
 #include "threads/firmware.h"
 #include "threads/identity.h"
-#include "threads/mavlink_node.h"
 #include "threads/storage.h"
+#include "threads/tunnel_link.h"
 #include "threads/vcs_commit.h"
 #include "version.h"
 
@@ -32,29 +31,14 @@ LOG_MODULE_REGISTER(can_node);
 #define ANONYMOUS_MASK  0x000003FFu
 #define ANONYMOUS_TYPES 3u
 
-/* Bytes that wait in a tunnel, up to which others' frames go there. */
-#define TUNNEL_FORWARD_MAX (DRONECAN_TUNNEL_BUFFER / 2)
-
-_Static_assert(TUNNEL_FORWARD_MAX >= MAVLINK_FRAME_MAX, "a forwarded frame fits");
-_Static_assert(TUNNEL_LINKS_MAX == DRONECAN_TUNNEL_CHANNELS, "a link for each channel");
-
-struct tunnel {
-	bool up; /* MAVLink knows that somebody is there */
-	int64_t heard_us;
-	struct mavlink_framer framer;
-	struct link_stats stats;
-};
-
+static struct pharos_device *device;
 static bool active;
 static struct dronecan_endpoint_config config;
 static struct dronecan_endpoint endpoint;
 static struct dronecan_outbox out;
-static struct tunnel tunnels[TUNNEL_LINKS_MAX];
-static struct can_node_stats stats;
 static int64_t log_us;
 static bool to_send;         /* there may be frames to send */
 static bool update_complete; /* the block that is being stored is the last */
-static uint32_t tunnels_up;  /* how many; none: nothing to look after */
 
 /* --- configuration ---------------------------------------------------------------------------- */
 
@@ -119,14 +103,12 @@ static struct dronecan_lights_config lights_config(const struct params *params)
 	};
 }
 
-void can_node_configure(const struct params *params)
+static void configure(void)
 {
-	const struct dronecan_lights_config lights = lights_config(params);
+	const struct dronecan_lights_config lights = lights_config(&device->params);
 
-	if (active) {
-		dronecan_lights_configure(&endpoint.lights, &lights);
-		listen();
-	}
+	dronecan_lights_configure(&endpoint.lights, &lights);
+	listen();
 }
 
 /* The chip's own id; what it lacks of 16 bytes is zero. */
@@ -160,15 +142,16 @@ static void announce(void)
 	                        "light", text);
 }
 
-void can_node_init(struct command *command)
+void can_node_init(struct pharos_device *its)
 {
-	const int32_t *const values = command->params.values;
+	const int32_t *const values = its->params.values;
 	const int error =
 		can_link_init((uint32_t)values[PARAM_CAN_BITRATE], values[PARAM_CAN_FD] != 0);
 
 	if (error != 0) {
 		return;
 	}
+	device = its;
 	config = (struct dronecan_endpoint_config){
 		.node =
 			{
@@ -179,101 +162,31 @@ void can_node_init(struct command *command)
 				.hardware_minor = CONFIG_PHAROS_HARDWARE_MINOR,
 				.vcs_commit = PHAROS_VCS_COMMIT,
 			},
-		.lights = lights_config(&command->params),
+		.lights = lights_config(&device->params),
 		.node_id = (uint8_t)values[PARAM_CAN_NODE_ID],
 		.fd = can_link_has_fd(),
 		.no_update = firmware_unavailable(),
 	};
 	read_unique_id(config.node.unique_id);
 	config.seed = seed_of(config.node.unique_id);
-	dronecan_endpoint_init(&endpoint, clock_now_us(), &config, &command->params);
-	for (size_t i = 0; i < TUNNEL_LINKS_MAX; i++) {
-		mavlink_framer_init(&tunnels[i].framer);
-	}
+	dronecan_endpoint_init(&endpoint, clock_now_us(), &config, device);
+	dronecan_endpoint_report(&endpoint, clock_now_us());
+	tunnel_links_init(&endpoint.tunnel);
 	active = true;
 	listen();
 	announce();
 }
 
-/* --- commands for the lamp -------------------------------------------------------------------- */
-
-/* A repetition takes the light from nobody, but says that its sender is there. */
-static void command_lamp(struct command *command, const struct dronecan_lights_action *action)
-{
-	const enum arbiter_source commander = command->arbiter.commander;
-
-	if (action->repeated && commander != ARBITER_SOURCE_DRONECAN &&
-	    commander != ARBITER_SOURCE_FALLBACK && commander != ARBITER_SOURCE_NONE) {
-		stats.unchanged++;
-		arbiter_heard(&command->arbiter, clock_now_us(), ARBITER_SOURCE_DRONECAN);
-		return;
-	}
-	if (command_apply_all(command, ARBITER_SOURCE_DRONECAN, action->events,
-	                      action->events_count)) {
-		stats.applied++;
-	} else {
-		stats.refused++;
-		dronecan_lights_forget(&endpoint.lights);
-	}
-}
-
-static void command_gimbal(struct command *command, enum gimbal_axis_id axis,
-                           const struct dronecan_lights_action *action)
-{
-	const enum arbiter_source commander = gimbal_node_commander(command);
-	struct gimbal_event event = {.kind = GIMBAL_EVENT_AIM};
-	enum gimbal_result result;
-
-	if (!gimbal_node_is_active(command)) {
-		stats.no_gimbal++;
-		return;
-	}
-	if (action->repeated && commander != ARBITER_SOURCE_DRONECAN &&
-	    commander != ARBITER_SOURCE_NONE) {
-		stats.unchanged++;
-		return;
-	}
-	event.aim[axis] = (struct gimbal_aim){
-		.kind = GIMBAL_ANGLE,
-		.value = gimbal_node_share_mdeg(command, axis, action->position_ppm),
-	};
-	if (command_point(command, ARBITER_SOURCE_DRONECAN, &event, &result) == ARBITER_GRANTED) {
-		stats.applied++;
-	} else {
-		stats.refused++;
-		dronecan_lights_forget(&endpoint.lights);
-	}
-}
-
-static void perform_lights(struct command *command)
-{
-	for (uint8_t i = 0; i < out.lights.count; i++) {
-		const struct dronecan_lights_action *const action = &out.lights.actions[i];
-
-		switch (action->kind) {
-		case DRONECAN_LIGHTS_EVENTS:
-			command_lamp(command, action);
-			break;
-		case DRONECAN_LIGHTS_PAN:
-			command_gimbal(command, GIMBAL_PAN, action);
-			break;
-		case DRONECAN_LIGHTS_TILT:
-			command_gimbal(command, GIMBAL_TILT, action);
-			break;
-		}
-	}
-}
-
 /* --- the node --------------------------------------------------------------------------------- */
 
-static void save_all(const struct params *params)
+static void save_all(void)
 {
 	const struct param_set all = params_settable();
 
-	storage_save_params(params, &all);
+	storage_save_params(&device->params, &all);
 }
 
-static void perform_node(struct command *command)
+static void perform_node(void)
 {
 	for (uint8_t i = 0; i < out.node.count; i++) {
 		const struct dronecan_node_action *const action = &out.node.actions[i];
@@ -285,10 +198,7 @@ static void perform_node(struct command *command)
 			break;
 		case DRONECAN_NODE_SAVE:
 		case DRONECAN_NODE_ERASE: /* all are at their defaults now */
-			save_all(&command->params);
-			break;
-		case DRONECAN_NODE_PARAMS_CHANGED:
-			command_params_changed(command, &action->changed);
+			save_all();
 			break;
 		case DRONECAN_NODE_ID_ALLOCATED:
 			LOG_INF("node id %u allocated", action->node_id);
@@ -299,22 +209,12 @@ static void perform_node(struct command *command)
 	}
 }
 
-void can_node_report(const struct illuminator *illuminator)
-{
-	if (active) {
-		dronecan_endpoint_report(&endpoint, clock_now_us(), illuminator);
-	}
-}
-
-void can_node_log(const char *text)
+/* A LogMessage of level WARNING, at most one a second. */
+static void log_warning(const char *text)
 {
 	const int64_t now_us = clock_now_us();
 
-	if (!active) {
-		return;
-	}
 	if (now_us < log_us) {
-		stats.log_skipped++;
 		return;
 	}
 	log_us = now_us + LOG_GAP_US;
@@ -323,24 +223,42 @@ void can_node_log(const char *text)
 	                        text);
 }
 
+void can_node_tell(const struct device_effects *effects)
+{
+	if (!active) {
+		return;
+	}
+	if ((effects->statuses | effects->reports) != 0) {
+		dronecan_endpoint_report(&endpoint, clock_now_us());
+	}
+	for (uint32_t kind = 0; effects->notices[0] >> kind != 0; kind++) {
+		if ((effects->notices[0] & BIT(kind)) != 0) {
+			log_warning(illuminator_notice_text((enum illuminator_notice_kind)kind));
+		}
+	}
+	if (param_set_touches(&effects->params, PARAM_GROUP_DRONECAN)) {
+		configure();
+	}
+}
+
 /* --- firmware update -------------------------------------------------------------------------- */
 
 /* The image's next block, or the end. */
-static void update_done(struct command *command, const char *failure)
+static void update_done(const char *failure)
 {
 	const int64_t now_us = clock_now_us();
 
 	to_send = true;
 	if (failure != NULL) {
 		dronecan_firmware_stop(&endpoint.firmware);
-		can_node_log(failure);
+		log_warning(failure);
 	} else if (update_complete) {
 		dronecan_firmware_stop(&endpoint.firmware);
 		dronecan_node_restart(&endpoint.node, now_us);
 	} else {
 		dronecan_firmware_next(&endpoint.firmware, now_us);
 	}
-	can_node_report(&command->illuminator);
+	dronecan_endpoint_report(&endpoint, now_us);
 }
 
 static void perform_update(void)
@@ -359,150 +277,34 @@ static void perform_update(void)
 	case DRONECAN_FIRMWARE_FAILED:
 		firmware_abort(out.firmware.error == 0 ? "the file server is silent"
 		                                       : "the file server reports an error");
-		can_node_log("update failed: file server");
+		log_warning("update failed: file server");
 		break;
 	}
 }
 
-/* --- tunnels ---------------------------------------------------------------------------------- */
-
-static void take_frames(struct command *command, uint8_t channel)
-{
-	struct tunnel *const tunnel = &tunnels[channel];
-	struct mavlink_frame frame;
-
-	tunnel->framer.opaque = link_is_opaque();
-	while (mavlink_framer_next(&tunnel->framer, &frame)) {
-		tunnel->stats.rx_frames++;
-		mavlink_node_take(command, TUNNEL_LINK0 + channel, frame.bytes, frame.length);
-	}
-}
-
-/* Somebody else may have been here before. */
-static void tunnel_up(struct command *command, uint8_t channel)
-{
-	struct tunnel *const tunnel = &tunnels[channel];
-	const struct mavlink_framer_stats kept = tunnel->framer.stats;
-
-	mavlink_framer_init(&tunnel->framer);
-	tunnel->framer.stats = kept;
-	tunnels_up += tunnel->up ? 0 : 1;
-	tunnel->up = true;
-	mavlink_node_link_up(TUNNEL_LINK0 + channel);
-}
-
-static void perform_tunnel(struct command *command)
-{
-	struct tunnel *const tunnel = &tunnels[out.tunnel.channel];
-
-	if (!out.tunnel_received) {
-		return;
-	}
-	if (out.tunnel.opened) {
-		tunnel_up(command, out.tunnel.channel);
-	}
-	for (size_t used = 0; used < out.tunnel.size;) {
-		used += mavlink_framer_write(&tunnel->framer, out.tunnel.data + used,
-		                             out.tunnel.size - used);
-		tunnel->heard_us = clock_now_us();
-		take_frames(command, out.tunnel.channel);
-	}
-	tunnel->stats.rx_bytes += (uint32_t)out.tunnel.size;
-}
-
-/* The channels that have closed, and those that are silent amid a frame, which perhaps is none. */
-static void step_tunnels(struct command *command)
-{
-	for (uint8_t channel = 0; channel < TUNNEL_LINKS_MAX; channel++) {
-		struct tunnel *const tunnel = &tunnels[channel];
-		struct mavlink_frame frame;
-
-		if (tunnel->up && !endpoint.tunnel.channels[channel].open) {
-			tunnel->up = false;
-			tunnels_up--;
-			mavlink_node_link_down(TUNNEL_LINK0 + channel);
-		}
-		while (mavlink_framer_pending(&tunnel->framer) &&
-		       clock_now_us() - tunnel->heard_us >= MAVLINK_FRAMER_IDLE_US &&
-		       mavlink_framer_idle(&tunnel->framer, &frame)) {
-			tunnel->stats.rx_frames++;
-			mavlink_node_take(command, TUNNEL_LINK0 + channel, frame.bytes,
-			                  frame.length);
-			take_frames(command, channel);
-		}
-	}
-}
-
-int can_node_tunnel_send(uint8_t channel, const uint8_t *frame, size_t length)
-{
-	struct link_stats *const its = &tunnels[channel].stats;
-	const int64_t now_us = clock_now_us();
-
-	if (!active || !dronecan_tunnel_is_open(&endpoint.tunnel, now_us, channel)) {
-		return 0;
-	}
-	if (!dronecan_tunnel_write(&endpoint.tunnel, now_us, channel, frame, length)) {
-		its->tx_dropped++;
-		return -ENOBUFS;
-	}
-	to_send = true;
-	its->tx_frames++;
-	its->tx_bytes += (uint32_t)length;
-	return 0;
-}
-
-int can_node_tunnel_forward(uint8_t channel, const uint8_t *frame, size_t length)
-{
-	struct link_stats *const its = &tunnels[channel].stats;
-	const int64_t now_us = clock_now_us();
-
-	if (!active || !dronecan_tunnel_is_open(&endpoint.tunnel, now_us, channel)) {
-		return 0;
-	}
-	if (dronecan_tunnel_waiting(&endpoint.tunnel, channel) + length > TUNNEL_FORWARD_MAX ||
-	    !dronecan_tunnel_write(&endpoint.tunnel, now_us, channel, frame, length)) {
-		its->forward_dropped++;
-		return -ENOBUFS;
-	}
-	to_send = true;
-	its->forwarded++;
-	its->tx_frames++;
-	its->tx_bytes += (uint32_t)length;
-	return 0;
-}
-
-int can_node_tunnel_stats(uint8_t channel, struct link_stats *copy)
-{
-	const unsigned int key = irq_lock();
-
-	*copy = tunnels[channel].stats;
-	copy->framing = link_framing_of(&tunnels[channel].framer.stats);
-	irq_unlock(key);
-	return active ? 0 : -ENODEV;
-}
-
 /* --- what the command thread calls ------------------------------------------------------------ */
 
-static void perform(struct command *command)
+static void perform(void)
 {
-	perform_node(command);
-	perform_lights(command);
+	perform_node();
 	perform_update();
-	perform_tunnel(command);
+	if (out.tunnel_received) {
+		tunnel_links_put(&out.tunnel);
+	}
+	to_send = true;
 }
 
-void can_node_take(struct command *command, struct dronecan_frame *frame)
+void can_node_take(const struct dronecan_frame *frame)
 {
 	dronecan_endpoint_receive(&endpoint, clock_now_us(), frame, &out);
-	perform(command);
-	to_send = true;
-	can_link_frame_free(frame);
+	perform();
 }
 
 void can_node_flush(void)
 {
 	struct dronecan_frame frame;
 
+	to_send = to_send || tunnel_links_written();
 	while (to_send && dronecan_endpoint_next_frame(&endpoint, clock_now_us(), &frame)) {
 		if (!can_link_send(&frame)) {
 			return;
@@ -512,43 +314,25 @@ void can_node_flush(void)
 	to_send = false;
 }
 
-void can_node_step(struct command *command)
+void can_node_step(void)
 {
-	if (!active) {
-		return;
-	}
-	if (dronecan_endpoint_deadline_us(&endpoint) <= clock_now_us()) {
+	if (can_node_deadline_us() <= clock_now_us()) {
 		dronecan_node_set_bus_errors(&endpoint.node,
 		                             can_link_status_get().stats.bus_errors);
 		dronecan_endpoint_step(&endpoint, clock_now_us(), &out);
-		perform(command);
-		to_send = true;
-	}
-	if (tunnels_up > 0) {
-		step_tunnels(command);
+		perform();
 	}
 }
 
 int64_t can_node_deadline_us(void)
 {
-	int64_t deadline_us = active ? dronecan_endpoint_deadline_us(&endpoint) : TIME_NEVER_US;
-
-	for (size_t i = 0; i < TUNNEL_LINKS_MAX && tunnels_up > 0; i++) {
-		const int64_t idle_us = tunnels[i].heard_us + MAVLINK_FRAMER_IDLE_US;
-
-		/* what is still unfinished after that stays so until more comes */
-		if (mavlink_framer_pending(&tunnels[i].framer) && idle_us > clock_now_us()) {
-			deadline_us = MIN(deadline_us, idle_us);
-		}
-	}
-	return deadline_us;
+	return active ? dronecan_endpoint_deadline_us(&endpoint) : TIME_NEVER_US;
 }
 
 void can_node_status_get(struct can_node_status *status)
 {
 	*status = (struct can_node_status){
 		.node_id = endpoint.transport.node_id,
-		.stats = stats,
 		.transport = endpoint.transport.stats,
 		.tunnel = endpoint.tunnel.stats,
 		.lights = endpoint.lights.stats,

@@ -10,6 +10,7 @@
 
 #include "core/assert.h"
 #include "threads/devices.h"
+#include "threads/inbox.h"
 #include "threads/storage.h"
 
 LOG_MODULE_REGISTER(firmware);
@@ -36,7 +37,7 @@ struct job {
 static struct job job;
 static struct image image;
 static struct firmware_status status;
-static void (*job_done)(struct command *command, const char *failure);
+static void (*job_done)(const char *failure);
 static atomic_t to_confirm;
 
 static void store(struct k_work *work);
@@ -85,7 +86,7 @@ static void enter(enum firmware_phase phase, const char *failure)
 }
 
 /* Storage has done its job: on, in the command thread. */
-static int take_done(struct command *command, void *argument)
+static int take_done(struct pharos_device *device, void *argument)
 {
 	const char *const failure = argument;
 
@@ -96,11 +97,11 @@ static int take_done(struct command *command, void *argument)
 	} else if (status.phase == FIRMWARE_CHECKING) {
 		enter(FIRMWARE_INSTALLED, NULL);
 	}
-	job_done(command, failure);
+	job_done(failure);
 	return 0;
 }
 
-void firmware_begin(void (*done)(struct command *command, const char *failure))
+void firmware_begin(void (*done)(const char *failure))
 {
 	PHAROS_ASSERT(atomic_get(&job.kind) == JOB_NONE);
 	job_done = done;
@@ -250,6 +251,6 @@ static void store(struct k_work *work)
 		const char *const failure = run_job(kind);
 
 		atomic_set(&job.kind, JOB_NONE);
-		command_call(take_done, (void *)(uintptr_t)failure);
+		inbox_call(take_done, (void *)(uintptr_t)failure);
 	}
 }

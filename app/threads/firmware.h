@@ -15,7 +15,6 @@
 #include <stdint.h>
 
 #include "core/image.h"
-#include "threads/command.h"
 
 enum firmware_phase {
 	FIRMWARE_IDLE,
@@ -51,7 +50,7 @@ static inline const char *firmware_unavailable(void)
  * done it: NULL, or why the update has failed. Begin: idle, installed or failed, asserted. Write:
  * data holds until done(), size 0…256 and whole blocks of the flash but for the last.
  */
-void firmware_begin(void (*done)(struct command *command, const char *failure));
+void firmware_begin(void (*done)(const char *failure));
 void firmware_write(const uint8_t *data, size_t size, bool is_last);
 
 /* The source has failed. The flash is at rest, asserted. failure: constant. Command thread. */
@@ -70,7 +69,7 @@ static inline const char *firmware_unavailable(void)
 	return "this build has no second image slot";
 }
 
-static inline void firmware_begin(void (*done)(struct command *command, const char *failure))
+static inline void firmware_begin(void (*done)(const char *failure))
 {
 }
 

@@ -1,45 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "threads/imc_link.h"
 
-#include <string.h>
-
 #include <zephyr/kernel.h>
 
-#include <pharos/compat.h>
 #include <pharos/drivers/datagram.h>
 
-#include "threads/command.h"
 #include "threads/devices.h"
+#include "threads/inbox.h"
 #include "threads/startup.h"
 #include "threads/uart_link.h"
 
-K_MEM_SLAB_DEFINE_STATIC(frame_pool, ROUND_UP(sizeof(struct imc_frame), 8), IMC_FRAMES_MAX, 8);
 static K_SEM_DEFINE(rx_ready, 0, 1);
 
 static struct imc_link_stats stats;
-
-void imc_link_post(const struct imc_route *route, const uint8_t *bytes, size_t length,
-                   enum supervisor_watch watch)
-{
-	void *block;
-
-	while (k_mem_slab_alloc(&frame_pool, &block, K_MSEC(SUPERVISOR_REPORT_MS)) != 0) {
-		supervisor_report(watch);
-	}
-	struct imc_frame *const frame = block;
-
-	frame->route = *route;
-	frame->length = (uint16_t)length;
-	memcpy(frame->bytes, bytes, length);
-	while (command_post_imc(frame) != 0) {
-		supervisor_report(watch);
-	}
-}
-
-void imc_link_frame_free(struct imc_frame *frame)
-{
-	k_mem_slab_free(&frame_pool, (void *)frame);
-}
 
 static void count_sent(int error)
 {
@@ -108,7 +81,7 @@ static void drain(void)
 		supervisor_report(SUPERVISOR_IMC_LINK);
 		stats.rx_datagrams++;
 		if (imc_verify(bytes, (size_t)size, &length) == IMC_OK) {
-			imc_link_post(&route, bytes, length, SUPERVISOR_IMC_LINK);
+			inbox_post_imc(&route, bytes, length, SUPERVISOR_IMC_LINK);
 		} else {
 			stats.rx_malformed++;
 		}

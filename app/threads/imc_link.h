@@ -12,16 +12,9 @@
 
 #include "proto/imc/outbox.h"
 #include "threads/limits.h"
-#include "threads/supervisor.h"
 
 /* The number of the datagram link, behind the UARTs. */
 #define IMC_LINK_DATAGRAMS UART_LINKS_MAX
-
-struct imc_frame {
-	struct imc_route route;
-	uint16_t length;
-	uint8_t bytes[IMC_PACKET_MAX];
-};
 
 struct imc_link_stats {
 	uint32_t rx_datagrams;
@@ -29,16 +22,6 @@ struct imc_link_stats {
 	uint32_t tx_datagrams;
 	uint32_t tx_failed;
 };
-
-/*
- * A verified packet for the command thread; waits while that is behind, and reports to the
- * supervisor meanwhile. Link threads.
- */
-void imc_link_post(const struct imc_route *route, const uint8_t *bytes, size_t length,
-                   enum supervisor_watch watch);
-
-/* Gives a received packet's buffer back to the pool. Command thread. */
-void imc_link_frame_free(struct imc_frame *frame);
 
 /* The board has datagrams, and they have started. Any thread. */
 bool imc_link_has_datagrams(void);

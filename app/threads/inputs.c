@@ -5,9 +5,10 @@
 #include <zephyr/kernel.h>
 #include <zephyr/logging/log.h>
 
-#include "threads/command.h"
+#include "threads/clock.h"
 #include "threads/devices.h"
-#include "threads/imc_node.h"
+#include "threads/imc_light.h"
+#include "threads/inbox.h"
 #include "threads/startup.h"
 
 LOG_MODULE_REGISTER(inputs);
@@ -33,7 +34,7 @@ static void fault_changed(bool active)
 	status.driver_fault = active;
 	status.driver_faults += active ? 1 : 0;
 	irq_unlock(key);
-	command_wake();
+	inbox_wake();
 	if (active) {
 		LOG_ERR("the lamp's driver reports a fault");
 	} else {
@@ -42,34 +43,34 @@ static void fault_changed(bool active)
 }
 
 /* In the command thread. */
-static int toggle(struct command *command, void *argument)
+static int toggle(struct pharos_device *device, void *argument)
 {
+	const struct device_who who = {.way = SECURITY_WAY_BUTTON};
 	const struct illuminator_event event = {
 		.kind = ILLUMINATOR_EVENT_ON_OFF,
-		.on_off = !command->illuminator.settings.enable,
+		.on_off = !device->lamps[0].illuminator.settings.enable,
 	};
-	enum illuminator_result result = ILLUMINATOR_DENIED;
-	const enum arbiter_verdict verdict =
-		command_apply(command, ARBITER_SOURCE_SHELL, &event, &result);
 
-	return verdict == ARBITER_GRANTED && result == ILLUMINATOR_ACCEPTED ? 0 : -EACCES;
+	return pharos_device_apply(device, clock_now_us(), &who, 0, &event, 1) == DEVICE_ACCEPTED
+	               ? 0
+	               : -EACCES;
 }
 
 /* In the command thread. */
-static int tell(struct command *command, void *argument)
+static int tell(struct pharos_device *device, void *argument)
 {
-	imc_node_button(command, BUTTON_NUMBER, *(const bool *)argument);
+	imc_light_button(BUTTON_NUMBER, *(const bool *)argument);
 	return 0;
 }
 
 static void button_changed(bool active)
 {
-	(void)command_call(tell, &active);
+	(void)inbox_call(tell, &active);
 	if (!active) {
 		return;
 	}
 	status.presses++;
-	if (command_call(toggle, NULL) != 0) {
+	if (inbox_call(toggle, NULL) != 0) {
 		LOG_WRN("the button was refused");
 	}
 }

@@ -1,34 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "threads/link.h"
 
-#include <errno.h>
-
 #include <zephyr/sys/atomic.h>
-#include <zephyr/sys/util.h>
 
-#include "threads/can_node.h"
-#include "threads/uart_link.h"
-
-int link_send(uint8_t link, const uint8_t *frame, size_t length)
-{
-	if (link < TUNNEL_LINK0) {
-		return uart_link_send(link, frame, length);
-	}
-	return link < LINKS_MAX ? can_node_tunnel_send(link - TUNNEL_LINK0, frame, length)
-	                        : -ENODEV;
-}
-
-#ifdef CONFIG_PHAROS_ROUTING
 static atomic_t opaque;
-
-int link_forward(uint8_t link, const uint8_t *frame, size_t length)
-{
-	if (link < TUNNEL_LINK0) {
-		return uart_link_forward(link, frame, length);
-	}
-	return link < LINKS_MAX ? can_node_tunnel_forward(link - TUNNEL_LINK0, frame, length)
-	                        : -ENODEV;
-}
 
 void link_set_opaque(bool value)
 {
@@ -38,43 +13,4 @@ void link_set_opaque(bool value)
 bool link_is_opaque(void)
 {
 	return atomic_get(&opaque) != 0;
-}
-#else
-bool link_is_opaque(void)
-{
-	return false;
-}
-#endif
-
-uint32_t link_mask(void)
-{
-	uint32_t mask = 0;
-
-	for (uint8_t link = 0; link < UART_LINKS_MAX; link++) {
-		mask |= uart_link_protocol(link) == UART_PROTOCOL_MAVLINK ? BIT(link) : 0;
-	}
-	return mask;
-}
-
-uint32_t link_rate(uint8_t link)
-{
-	return link < TUNNEL_LINK0 ? uart_link_rate(link) : TUNNEL_RATE;
-}
-
-int link_stats_get(uint8_t link, struct link_stats *stats)
-{
-	if (link < TUNNEL_LINK0) {
-		return uart_link_stats_get(link, stats);
-	}
-	return link < LINKS_MAX ? can_node_tunnel_stats(link - TUNNEL_LINK0, stats) : -ENODEV;
-}
-
-const char *link_name(uint8_t link)
-{
-	static const char *const uarts[] = {"uart0", "uart1", "uart2", "uart3"};
-	static const char *const tunnels[] = {"tunnel0", "tunnel1", "tunnel2", "tunnel3"};
-
-	_Static_assert(UART_LINKS_MAX <= ARRAY_SIZE(uarts), "every UART has a name");
-	_Static_assert(TUNNEL_LINKS_MAX <= ARRAY_SIZE(tunnels), "every tunnel has a name");
-	return link < TUNNEL_LINK0 ? uarts[link] : tunnels[link - TUNNEL_LINK0];
 }

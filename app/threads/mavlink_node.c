@@ -15,7 +15,7 @@
 #include "threads/devices.h"
 #include "threads/identity.h"
 #include "threads/inputs.h"
-#include "threads/link.h"
+#include "threads/links.h"
 #include "threads/startup.h"
 #include "threads/storage.h"
 
@@ -30,6 +30,7 @@ LOG_MODULE_REGISTER(mavlink);
 /* What has not started is told again: whoever listens may not have been there before. */
 #define START_FAILED_GAP_US (30 * US_PER_S)
 
+static struct pharos_device *device;
 static int64_t reboot_us = TIME_NEVER_US;
 static struct mavlink_endpoint endpoint;
 static struct mavlink_illuminator illuminator;
@@ -37,70 +38,72 @@ static struct mavlink_illuminator illuminator;
 static struct mavlink_gimbal gimbal;
 #endif
 static struct mavlink_outbox out;
+static const uint8_t *received; /* what may have to go on to other links */
+static size_t received_length;
 
 /* The gimbal, if there is one: a component of its own. */
-static void add_gimbal(struct command *command, int64_t now_us)
+static void add_gimbal(int64_t now_us)
 {
 #ifdef CONFIG_PHAROS_GIMBAL
-	const uint8_t id = (uint8_t)command->params.values[PARAM_GMB_COMPID];
+	const uint8_t id = (uint8_t)device->params.values[PARAM_GMB_COMPID];
 
-	if (!command->gimbal.active) {
+	if (!pharos_device_has_gimbal(device)) {
 		return;
 	}
-	if (command->params.values[PARAM_MAV_COMPID] == id) {
+	if (device->params.values[PARAM_MAV_COMPID] == id) {
 		LOG_ERR("GMB_COMPID is the light's: no gimbal over MAVLink");
 		return;
 	}
-	mavlink_gimbal_init(&gimbal, &command->gimbal.gimbal, &command->gimbal.arbiter,
-	                    &command->params, identity_get());
+	mavlink_gimbal_init(&gimbal, device, identity_get());
 	mavlink_endpoint_add(&endpoint, now_us, id, &mavlink_gimbal_profile, &gimbal);
 #endif
 }
 
-void mavlink_node_init(struct command *command)
-{
-	const int64_t now_us = clock_now_us();
-	const int32_t system_id = command->params.values[PARAM_MAV_SYSID];
-	struct mavlink_endpoint_config config = {
-		.system_id = (uint8_t)(system_id != 0 ? system_id : SYSTEM_ID_FALLBACK),
-		.adopt = system_id == 0,
-		.links = (uint8_t)link_mask(),
-	};
-	char text[IDENTITY_BOOT_TEXT_MAX];
-
-	mavlink_illuminator_init(&illuminator, &command->illuminator, &command->arbiter,
-	                         identity_get(), &command->params, &command->self_test);
-	for (uint8_t link = 0; link < LINKS_MAX; link++) {
-		config.rates[link] = link_rate(link);
-	}
-	mavlink_endpoint_init(&endpoint, &config);
-	mavlink_node_configure(&command->params);
-#ifdef CONFIG_PHAROS_SIGNING
-	struct mavlink_signing_record stored;
-
-	storage_load_signing(&stored);
-	mavlink_endpoint_restore_key(&endpoint, now_us, &stored);
-#endif
-	mavlink_endpoint_add(&endpoint, now_us, (uint8_t)command->params.values[PARAM_MAV_COMPID],
-	                     &mavlink_illuminator_profile, &illuminator);
-	add_gimbal(command, now_us);
-	identity_boot_text(text);
-	mavlink_endpoint_text(&endpoint, now_us, 6 /* MAV_SEVERITY_INFO */, text);
-}
-
-void mavlink_node_configure(const struct params *params)
+static void configure(void)
 {
 #ifdef CONFIG_PHAROS_SIGNING
-	mavlink_endpoint_set_secure_links(&endpoint, (uint8_t)params->values[PARAM_MAV_SECURE]);
+	mavlink_endpoint_set_secure_links(&endpoint,
+	                                  (uint8_t)device->params.values[PARAM_MAV_SECURE]);
 #endif
 #ifdef CONFIG_PHAROS_ROUTING
-	const bool routing = params->values[PARAM_MAV_ROUTE] != 0;
+	const bool routing = device->params.values[PARAM_MAV_ROUTE] != 0;
 
 	if (routing != endpoint.config.routing) {
 		mavlink_endpoint_set_routing(&endpoint, routing);
 		link_set_opaque(routing);
 	}
 #endif
+}
+
+void mavlink_node_init(struct pharos_device *its)
+{
+	const int64_t now_us = clock_now_us();
+	const int32_t system_id = its->params.values[PARAM_MAV_SYSID];
+	struct mavlink_endpoint_config config = {
+		.system_id = (uint8_t)(system_id != 0 ? system_id : SYSTEM_ID_FALLBACK),
+		.adopt = system_id == 0,
+		.links = (uint8_t)links_mask(),
+	};
+	char text[IDENTITY_BOOT_TEXT_MAX];
+
+	device = its;
+	mavlink_illuminator_init(&illuminator, device, 0, identity_get());
+	for (uint8_t link = 0; link < LINKS_MAX; link++) {
+		config.rates[link] = links_rate(link);
+	}
+	mavlink_endpoint_init(&endpoint, &config);
+	configure();
+#ifdef CONFIG_PHAROS_SIGNING
+	struct mavlink_signing_record stored;
+
+	storage_load_signing(&stored);
+	mavlink_endpoint_restore_key(&endpoint, now_us, &stored);
+#endif
+	mavlink_endpoint_add(&endpoint, now_us, (uint8_t)device->params.values[PARAM_MAV_COMPID],
+	                     &mavlink_illuminator_profile, &illuminator);
+	add_gimbal(now_us);
+	identity_boot_text(text);
+	mavlink_endpoint_text(&endpoint, now_us, 6 /* MAV_SEVERITY_INFO */, text);
 }
 
 #ifdef CONFIG_PHAROS_SIGNING
@@ -110,18 +113,28 @@ void mavlink_node_set_key(const struct mavlink_signing_record *record)
 }
 #endif
 
-/* State first, then its acknowledgement. */
-static void perform(struct command *command)
+/* After our own frames, so that others' never delay them. */
+static void forward(void)
 {
-	command_perform(&out.core);
-	command_params_in_force(command, &out.params);
+#ifdef CONFIG_PHAROS_ROUTING
+	for (uint8_t link = 0; out.forward >> link != 0; link++) {
+		if ((out.forward & BIT(link)) != 0) {
+			links_forward(link, received, received_length);
+		}
+	}
+	out.forward = 0;
+#endif
+}
+
+void mavlink_node_flush(void)
+{
 	if (out.command != 0) {
 		probe_set(devices.probe, PROBE_COMMAND, out.command);
 	}
 	for (uint16_t i = 0; i < out.count; i++) {
 		const struct mavlink_outbox_frame *const frame = &out.frames[i];
 
-		link_send(frame->link, &out.bytes[frame->offset], frame->length);
+		links_send(frame->link, &out.bytes[frame->offset], frame->length);
 	}
 #ifdef CONFIG_PHAROS_SIGNING
 	if (out.store_signing) {
@@ -131,35 +144,23 @@ static void perform(struct command *command)
 	if (out.reboot) {
 		reboot_us = clock_now_us() + REBOOT_DELAY_US;
 	}
+	forward();
+	mavlink_outbox_clear(&out);
 }
 
-/* After our own frames, so that others' never delay them. */
-static void forward(const uint8_t *bytes, size_t length)
+void mavlink_node_take(uint8_t link, const uint8_t *bytes, size_t length)
 {
-#ifdef CONFIG_PHAROS_ROUTING
-	for (uint8_t link = 0; out.forward >> link != 0; link++) {
-		if ((out.forward & BIT(link)) != 0) {
-			link_forward(link, bytes, length);
-		}
-	}
-#endif
-}
-
-void mavlink_node_take(struct command *command, uint8_t link, const uint8_t *bytes, size_t length)
-{
+	received = bytes;
+	received_length = length;
 	mavlink_endpoint_receive(&endpoint, clock_now_us(), link, bytes, length, &out);
-	perform(command);
-	forward(bytes, length);
 }
 
-void mavlink_node_observe(const struct illuminator_outbox *actions)
+void mavlink_node_tell(const struct device_effects *effects)
 {
-	mavlink_endpoint_observe(&endpoint, clock_now_us(), actions);
-}
-
-void mavlink_node_params_changed(const struct param_set *changed)
-{
-	mavlink_params_changed(&illuminator.params, clock_now_us(), endpoint.config.links, changed);
+	if (param_set_touches(&effects->params, PARAM_GROUP_MAVLINK)) {
+		configure();
+	}
+	mavlink_endpoint_tell(&endpoint, clock_now_us(), effects);
 }
 
 /* What could not be stored is gone after the next reset: people should know. */
@@ -225,7 +226,7 @@ static void tell_driver_fault(int64_t now_us)
 	                      fault ? "Lamp driver reports a fault" : "Lamp driver is well again");
 }
 
-void mavlink_node_step(struct command *command)
+void mavlink_node_step(void)
 {
 	const int64_t now_us = clock_now_us();
 
@@ -236,10 +237,7 @@ void mavlink_node_step(struct command *command)
 	tell_startup(now_us);
 	tell_storage_failure(now_us);
 	tell_driver_fault(now_us);
-	while (mavlink_endpoint_deadline_us(&endpoint) <= now_us) {
-		mavlink_endpoint_step(&endpoint, now_us, &out);
-		perform(command);
-	}
+	mavlink_endpoint_step(&endpoint, now_us, &out);
 }
 
 int64_t mavlink_node_deadline_us(void)

@@ -9,40 +9,36 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "core/device.h"
 #include "proto/mavlink/endpoint.h"
 #include "proto/mavlink/gimbal_service.h"
-#include "threads/command.h"
 
-/* Before the threads start. */
-void mavlink_node_init(struct command *command);
+/* With the parameters as loaded. */
+void mavlink_node_init(struct pharos_device *device);
 
-/* Parameters of MAVLink's group have changed, or been loaded. */
-void mavlink_node_configure(const struct params *params);
+/* A frame has come on a link; it stays until mavlink_node_flush(). */
+void mavlink_node_take(uint8_t link, const uint8_t *bytes, size_t length);
 
-/* A frame has come on a link. */
-void mavlink_node_take(struct command *command, uint8_t link, const uint8_t *bytes, size_t length);
+/* What the device did: tells it. */
+void mavlink_node_tell(const struct device_effects *effects);
 
-/* Someone else has stepped the core, which returned these. */
-void mavlink_node_observe(const struct illuminator_outbox *actions);
-
-/* Someone else has changed these parameters. */
-void mavlink_node_params_changed(const struct param_set *changed);
-
-/* Sends what is due. */
-void mavlink_node_step(struct command *command);
+/* Makes what is due, as much as one outbox takes. */
+void mavlink_node_step(void);
 int64_t mavlink_node_deadline_us(void);
+
+/* Sends what the calls above have made. After what the device did has been performed. */
+void mavlink_node_flush(void);
 
 /* A link comes or goes, as in mavlink_endpoint_link_up and _down. */
 void mavlink_node_link_up(uint8_t link);
 void mavlink_node_link_down(uint8_t link);
 
 #ifdef CONFIG_PHAROS_SIGNING
-/* For the shell: a signing key comes, or goes (all zero); from functions given to command_call().
- */
+/* For the shell: a signing key comes, or goes (all zero); from functions given to inbox_call(). */
 void mavlink_node_set_key(const struct mavlink_signing_record *record);
 #endif
 
-/* For the shell: from functions given to command_call(). */
+/* For the shell: from functions given to inbox_call(). */
 const struct mavlink_endpoint *mavlink_node_endpoint(void);
 #ifdef CONFIG_PHAROS_GIMBAL
 /* Zeros where there is no gimbal. */

@@ -9,8 +9,8 @@
 #include <pharos/drivers/thermistor.h>
 
 #include "threads/clock.h"
-#include "threads/command.h"
 #include "threads/devices.h"
+#include "threads/inbox.h"
 #include "threads/startup.h"
 #include "threads/strobe.h"
 #include "threads/supervisor.h"
@@ -109,7 +109,7 @@ void thermal_thread_run(void *p1, void *p2, void *p3)
 	for (;;) {
 		const struct thermal_report report = sample_and_step();
 
-		command_post_thermal(&report);
+		inbox_post_thermal(&report);
 		supervisor_report(SUPERVISOR_THERMAL);
 		next_us += THERMAL_PERIOD_US;
 		k_sleep(clock_timeout(next_us));

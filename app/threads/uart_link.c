@@ -8,18 +8,17 @@
 #include <zephyr/kernel.h>
 #include <zephyr/sys/ring_buffer.h>
 
-#include <pharos/compat.h>
 #include <pharos/drivers/strap.h>
 
-#include "threads/command.h"
 #include "threads/devices.h"
+#include "threads/inbox.h"
 #include "threads/link.h"
 #include "threads/startup.h"
 #include "threads/supervisor.h"
 
 #ifdef CONFIG_PHAROS_IMC
+#include "proto/imc/outbox.h"
 #include "proto/imc/stream.h"
-#include "threads/imc_link.h"
 #endif
 
 #define FRAME_BITS 10u /* start, 8 data, stop */
@@ -59,8 +58,6 @@ struct uart_link {
 };
 
 static struct uart_link links[UART_LINKS_MAX];
-
-K_MEM_SLAB_DEFINE_STATIC(frame_pool, ROUND_UP(sizeof(struct link_frame), 8), LINK_FRAMES_MAX, 8);
 
 /* --- interrupt -------------------------------------------------------------------------------- */
 
@@ -257,29 +254,12 @@ int uart_link_stats_get(uint8_t number, struct link_stats *stats)
 	return 0;
 }
 
-void link_frame_free(struct link_frame *frame)
-{
-	k_mem_slab_free(&frame_pool, (void *)frame);
-}
-
 /* --- MAVLink ---------------------------------------------------------------------------------- */
 
 /* To the command thread, which takes it before this one goes on; waits while it is behind. */
 static void post(uint8_t number, struct uart_link *link, const struct mavlink_frame *received)
 {
-	void *block;
-
-	while (k_mem_slab_alloc(&frame_pool, &block, K_MSEC(SUPERVISOR_REPORT_MS)) != 0) {
-		supervisor_report(SUPERVISOR_UART_LINK0 + number);
-	}
-	struct link_frame *const frame = block;
-
-	frame->link = number;
-	frame->length = received->length;
-	memcpy(frame->bytes, received->bytes, received->length);
-	while (command_post_frame(frame) != 0) {
-		supervisor_report(SUPERVISOR_UART_LINK0 + number);
-	}
+	inbox_post_frame(number, received->bytes, received->length, SUPERVISOR_UART_LINK0 + number);
 	link->stats.rx_frames++;
 }
 
@@ -323,7 +303,7 @@ static void post_packet(uint8_t number, struct uart_link *link,
 	const struct imc_route route = {.link = number};
 
 	link->stats.rx_frames++;
-	imc_link_post(&route, packet->bytes, packet->length, SUPERVISOR_UART_LINK0 + number);
+	inbox_post_imc(&route, packet->bytes, packet->length, SUPERVISOR_UART_LINK0 + number);
 }
 
 static void post_packets(uint8_t number, struct uart_link *link)

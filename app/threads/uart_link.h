@@ -16,8 +16,7 @@ enum uart_protocol {
 	UART_PROTOCOL_IMC = 1,
 };
 
-/* As link_send() (up to UART_FRAME_MAX bytes) and so on, of the links 0…UART_LINKS_MAX - 1.
- */
+/* As links_send() (up to UART_FRAME_MAX bytes) and so on, of the links 0…UART_LINKS_MAX - 1. */
 int uart_link_send(uint8_t number, const uint8_t *frame, size_t length);
 int uart_link_forward(uint8_t number, const uint8_t *frame, size_t length);
 uint32_t uart_link_rate(uint8_t number);

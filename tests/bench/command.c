@@ -11,7 +11,6 @@
 #include <sys/types.h>
 #include <time.h>
 
-#include "core/arbiter.h"
 #include "core/assert.h"
 #include "proto/mavlink/dialect.h"
 #include "proto/mavlink/framer.h"
@@ -35,10 +34,7 @@ struct stream {
 };
 
 static const struct mavlink_signing_record key = {.timestamp = 1, .key = {1, 2, 3}};
-static struct illuminator light;
-static struct arbiter arbiter;
-static struct params params;
-static struct self_test self_test;
+static struct pharos_device device;
 static struct mavlink_illuminator service;
 static struct mavlink_endpoint endpoint;
 static struct mavlink_outbox out;
@@ -59,16 +55,12 @@ static void start(bool is_signed)
 	                                                 .software_version = "",
 	                                                 .hardware_version = "",
 	                                                 .serial_number = ""};
-	const struct illuminator_config light_config = {.min_period_us = 10000,
-	                                                .max_period_us = 10000000};
-	const struct arbiter_config arbiter_config = {.loss_us = 0};
+	const struct device_config device_config = {.gimbal = false};
 	const struct mavlink_endpoint_config config = {.system_id = 1, .links = 1};
 
-	illuminator_init(&light, &light_config);
-	arbiter_init(&arbiter, &arbiter_config);
-	params_init(&params);
-	self_test_init(&self_test);
-	mavlink_illuminator_init(&service, &light, &arbiter, &identity, &params, &self_test);
+	params_init(&device.params);
+	pharos_device_init(&device, 0, &device_config);
+	mavlink_illuminator_init(&service, &device, 0, &identity);
 	mavlink_endpoint_init(&endpoint, &config);
 	mavlink_endpoint_add(&endpoint, 0, 243, &mavlink_illuminator_profile, &service);
 	mavlink_framer_init(&framer);

@@ -45,6 +45,8 @@ static const struct {
 #define KIND_FRAMES 0x60u
 #define KIND_ANY_ID 0xF0u
 
+static struct pharos_device device;
+
 struct input {
 	const uint8_t *data;
 	size_t size;
@@ -120,20 +122,13 @@ static void drain(struct dronecan_endpoint *endpoint, int64_t now_us)
 static void perform(struct dronecan_endpoint *endpoint, int64_t now_us,
                     const struct dronecan_outbox *out)
 {
-	CHECK(out->node.count <= DRONECAN_NODE_OUTBOX_MAX);
-	CHECK(out->lights.count <= DRONECAN_LIGHTS_OUTBOX_MAX);
-	for (uint8_t i = 0; i < out->lights.count; i++) {
-		const struct dronecan_lights_action *action = &out->lights.actions[i];
+	const struct illuminator_settings *const lamp = &device.lamps[0].illuminator.settings;
+	struct device_effects effects;
 
-		if (action->kind == DRONECAN_LIGHTS_EVENTS) {
-			CHECK(action->events_count >= 1 && action->events_count <= 2);
-			CHECK(action->events[0].kind != ILLUMINATOR_EVENT_BRIGHTNESS ||
-			      action->events[0].brightness_ppm <= PPM_ONE);
-		} else {
-			CHECK(action->position_ppm <= (int32_t)PPM_ONE &&
-			      action->position_ppm >= -(int32_t)PPM_ONE);
-		}
-	}
+	CHECK(out->node.count <= DRONECAN_NODE_OUTBOX_MAX);
+	(void)pharos_device_take(&device, &effects);
+	CHECK(lamp->brightness_ppm <= PPM_ONE);
+	CHECK(lamp->strobe_period_us == 0 && lamp->mode == ILLUMINATOR_MODE_INTERNAL);
 	if (out->firmware.event == DRONECAN_FIRMWARE_BEGIN ||
 	    out->firmware.event == DRONECAN_FIRMWARE_BLOCK) {
 		CHECK(out->firmware.event == DRONECAN_FIRMWARE_BEGIN ||
@@ -180,7 +175,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
 	static struct dronecan_endpoint endpoint;
 	static struct dronecan_transport peer;
-	static struct params params;
 	static struct dronecan_endpoint_config config = {
 		.node = {.unique_id = {1, 2, 3, 4, 5, 6, 7, 8, 9}, .name = "org.pharos.light"},
 		.lights = {.light_id = 254,
@@ -197,8 +191,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 
 	config.fd = (options & 1u) != 0;
 	config.node_id = (options & 2u) ? 0 : NODE;
-	params_init(&params);
-	dronecan_endpoint_init(&endpoint, now_us, &config, &params);
+	params_init(&device.params);
+	pharos_device_init(&device, now_us, &(struct device_config){.gimbal = true});
+	dronecan_endpoint_init(&endpoint, now_us, &config, &device);
 	dronecan_transport_init(&peer, NULL, 0, PEER, config.fd, 1);
 	while (input.size > 0) {
 		const uint8_t kind = take(&input);

@@ -13,7 +13,7 @@
  * Holds after each: what is sent are whole, good packets of ours; what decodes encodes to bytes
  * that decode to the same; settings and parameters are in range.
  */
-#include "core/actuators.h"
+#include "core/device.h"
 #include "proto/imc/endpoint.h"
 #include "proto/imc/stream.h"
 
@@ -30,10 +30,7 @@ struct script {
 	const uint8_t *end;
 };
 
-static struct illuminator light;
-static struct arbiter arbiter;
-static struct params params;
-static struct imc_actuation actuation;
+static struct pharos_device device;
 static struct imc_endpoint endpoint;
 static struct imc_outbox out;
 static struct imc_stream streams[STREAMS];
@@ -42,22 +39,17 @@ static int64_t now_us;
 
 static void start(void)
 {
-	static const struct actuators_config actuators = {
-		.power = 0x1F,
-		.power_on = 0x03,
-		.pwms = 0x07,
-		.leds = 0x03,
-		.gpio_outputs = 0x03,
-		.gpio_inputs = 0x0C,
-		.thruster = true,
-		.focus = true,
-		.display = true,
-		.grace_us = 5000000,
-		.focus_travel_us = 3000000,
-		.thruster_config = {.min_us = 1000,
-	                            .max_us = 2000,
-	                            .arm_us = 1000000,
-	                            .loss_us = 1000000},
+	static const struct device_config board = {
+		.gimbal = true,
+		.actuators.power = 0x1F,
+		.actuators.power_on = 0x03,
+		.actuators.pwms = 0x07,
+		.actuators.leds = 0x03,
+		.actuators.gpio_outputs = 0x03,
+		.actuators.gpio_inputs = 0x0C,
+		.actuators.thruster = true,
+		.actuators.focus = true,
+		.actuators.display = true,
 	};
 	static const struct imc_endpoint_config config = {
 		.id = OWN_ID,
@@ -69,18 +61,13 @@ static void start(void)
 				.stream_links = 3,
 			},
 	};
-	const struct illuminator_config light_config = {.min_period_us = 10000,
-	                                                .max_period_us = 10000000};
-	const struct arbiter_config arbiter_config = {.loss_us = 0};
 
 	now_us = 0;
 	params_changed = false;
-	illuminator_init(&light, &light_config);
-	arbiter_init(&arbiter, &arbiter_config);
-	params_init(&params);
-	imc_endpoint_init(&endpoint, 0, &config, &params);
-	imc_actuation_init(&actuation, 0, &actuators, true, &light, &arbiter);
-	imc_endpoint_attach(&endpoint, &actuation);
+	params_init(&device.params);
+	device.params.values[PARAM_GMB_ENABLE] = 1;
+	pharos_device_init(&device, 0, &board);
+	imc_endpoint_init(&endpoint, 0, &config, &device);
 	for (size_t i = 0; i < STREAMS; i++) {
 		imc_stream_init(&streams[i]);
 	}
@@ -93,14 +80,15 @@ static uint8_t take(struct script *script)
 
 static void check_state(void)
 {
-	const struct illuminator_settings *const s = &light.settings;
+	const struct illuminator_settings *const s = &device.lamps[0].illuminator.settings;
+	struct params *const params = &device.params;
 	struct param_set changed;
 
 	CHECK(s->brightness_ppm <= PPM_ONE && s->duty_ppm <= PPM_ONE);
 	CHECK(s->strobe_period_us == 0 ||
-	      (s->strobe_period_us >= 10000 && s->strobe_period_us <= 10000000));
+	      (s->strobe_period_us >= 1000 && s->strobe_period_us <= 60000000));
 	for (uint32_t i = 0; params_changed && i < PARAM_COUNT; i++) {
-		const enum params_result same = params_set(&params, i, params.values[i], &changed);
+		const enum params_result same = params_set(params, i, params->values[i], &changed);
 
 		CHECK(same == PARAMS_OK || same == PARAMS_READ_ONLY);
 	}
@@ -110,8 +98,11 @@ static void check_sent(void)
 {
 	struct imc_packet packet;
 
-	for (uint8_t i = 0; i < out.actions_count; i++) {
-		params_changed |= out.actions[i].kind == IMC_ACTION_PARAMS_CHANGED;
+	struct device_effects effects;
+
+	if (pharos_device_take(&device, &effects)) {
+		params_changed |= !param_set_is_empty(&effects.params);
+		imc_endpoint_tell(&endpoint, now_us, &effects, &out);
 	}
 	for (uint8_t i = 0; i < out.packets_count; i++) {
 		const struct imc_outbox_packet *const sent = &out.packets[i];
@@ -260,7 +251,9 @@ static void time_moves(struct script *script)
 	int steps = 0;
 
 	now_us += (int64_t)take(script) * 100000 + take(script);
-	while (imc_endpoint_deadline_us(&endpoint) <= now_us) {
+	while (imc_endpoint_deadline_us(&endpoint) <= now_us ||
+	       pharos_device_deadline_us(&device) <= now_us) {
+		pharos_device_step(&device, now_us);
 		imc_endpoint_step(&endpoint, now_us, &out);
 		check_sent();
 		CHECK(++steps < 100);
@@ -270,19 +263,17 @@ static void time_moves(struct script *script)
 static void heat(struct script *script)
 {
 	const uint8_t choice = take(script);
-	struct illuminator_outbox actions;
-	const struct illuminator_event event = {
-		.kind = ILLUMINATOR_EVENT_THERMAL,
-		.thermal = {.state = (enum thermal_state)(choice % 3),
-	                    .sensor = choice & 0x40 ? THERMAL_SENSOR_FAILED : THERMAL_SENSOR_OK,
-	                    .fault = choice & 0x40 ? THERMAL_FAULT_STUCK : THERMAL_FAULT_NONE,
-	                    .flags = choice % 3,
-	                    .temp_mdegc = choice * 1000,
-	                    .temp_valid = (choice & 0x40) == 0},
+	const struct thermal_report report = {
+		.state = (enum thermal_state)(choice % 3),
+		.sensor = choice & 0x40 ? THERMAL_SENSOR_FAILED : THERMAL_SENSOR_OK,
+		.fault = choice & 0x40 ? THERMAL_FAULT_STUCK : THERMAL_FAULT_NONE,
+		.flags = choice % 3,
+		.temp_mdegc = choice * 1000,
+		.temp_valid = (choice & 0x40) == 0,
 	};
 
-	illuminator_step(&light, now_us, &event, &actions);
-	imc_endpoint_report(&endpoint, &light);
+	pharos_device_report_heat(&device, now_us, 0, &report);
+	check_sent();
 }
 
 static void silence(void)

@@ -19,7 +19,6 @@
  * changed nothing; what is forwarded goes to other links that are up, and is never SETUP_SIGNING;
  * unknown messages cost no verified frame.
  */
-#include "core/arbiter.h"
 #include "proto/mavlink/dialect.h"
 #include "proto/mavlink/framer.h"
 #include "proto/mavlink/gimbal_service.h"
@@ -34,13 +33,10 @@ struct script {
 	const uint8_t *end;
 };
 
-static struct illuminator light;
-static struct arbiter arbiter;
-static struct params params;
-static struct self_test self_test;
+static struct pharos_device device;
+static struct illuminator *const light = &device.lamps[0].illuminator;
+static struct gimbal *const gimbal = &device.gimbal;
 static struct mavlink_illuminator service;
-static struct gimbal gimbal;
-static struct arbiter gimbal_arbiter;
 static struct mavlink_gimbal gimbal_service;
 static struct mavlink_endpoint endpoint;
 static struct mavlink_outbox out;
@@ -74,30 +70,33 @@ static const struct mavlink_identity identity = {
 
 static void start(void)
 {
-	const struct illuminator_config light_config = {
-		.min_period_us = 10000, .max_period_us = 10000000, .curve = 0};
-	const struct arbiter_config arbiter_config = {.loss_us = 0};
+	const struct device_config board = {.gimbal = true};
 	const struct mavlink_endpoint_config config = {.system_id = 1, .links = 0x0F};
-	struct gimbal_config gimbal_config;
 
 	now_us = 0;
 	trusted = false;
 	memset(&stamped, 0, sizeof(stamped));
 	memset(stamps, 0, sizeof(stamps));
-	illuminator_init(&light, &light_config);
-	arbiter_init(&arbiter, &arbiter_config);
-	params_init(&params);
-	mavlink_illuminator_init(&service, &light, &arbiter, &identity, &params, &self_test);
-	self_test_init(&self_test);
+	params_init(&device.params);
+	device.params.values[PARAM_GMB_ENABLE] = 1;
+	pharos_device_init(&device, 0, &board);
+	mavlink_illuminator_init(&service, &device, 0, &identity);
 	mavlink_endpoint_init(&endpoint, &config);
 	mavlink_endpoint_add(&endpoint, 0, 243, &mavlink_illuminator_profile, &service);
-	params_gimbal(&params, &gimbal_config);
-	gimbal_init(&gimbal, 0, &gimbal_config);
-	arbiter_init(&gimbal_arbiter, &arbiter_config);
-	mavlink_gimbal_init(&gimbal_service, &gimbal, &gimbal_arbiter, &params, &identity);
+	mavlink_gimbal_init(&gimbal_service, &device, &identity);
 	mavlink_endpoint_add(&endpoint, 0, 154, &mavlink_gimbal_profile, &gimbal_service);
 	for (size_t i = 0; i < MAVLINK_LINKS_MAX; i++) {
 		mavlink_framer_init(&framers[i]);
+	}
+}
+
+/* As the command thread does it. */
+static void settle(void)
+{
+	struct device_effects effects;
+
+	if (pharos_device_take(&device, &effects)) {
+		mavlink_endpoint_tell(&endpoint, now_us, &effects);
 	}
 }
 
@@ -108,12 +107,12 @@ static uint8_t take(struct script *script)
 
 static void check_light(void)
 {
-	const struct illuminator_settings *const s = &light.settings;
+	const struct illuminator_settings *const s = &light->settings;
 
 	CHECK(s->mode == ILLUMINATOR_MODE_INTERNAL || s->mode == ILLUMINATOR_MODE_SYNC);
 	CHECK(s->brightness_ppm <= PPM_ONE && s->duty_ppm <= PPM_ONE);
 	CHECK(s->strobe_period_us == 0 ||
-	      (s->strobe_period_us >= 10000 && s->strobe_period_us <= 10000000));
+	      (s->strobe_period_us >= 1000 && s->strobe_period_us <= 60000000));
 }
 
 /* While there is a key, a frame sent has a signature that another takes, with a newer timestamp. */
@@ -140,22 +139,23 @@ static void check_signature(const struct mavlink_frame *frame, uint8_t link)
 
 static void check_gimbal(void)
 {
-	const struct gimbal_report report = gimbal_report(&gimbal, now_us);
+	const struct gimbal_report report = gimbal_report(gimbal, now_us);
 
-	/* the limits are ±90 degrees by default, and parameters come here only to be stored */
-	CHECK(report.own.yaw_mdeg >= -90000 && report.own.yaw_mdeg <= 90000);
-	CHECK(report.own.pitch_mdeg >= -90000 && report.own.pitch_mdeg <= 90000);
+	/* what any parameters allow; those that are set are in force */
+	CHECK(report.own.yaw_mdeg >= -GIMBAL_ANGLE_MAX_MDEG &&
+	      report.own.yaw_mdeg <= GIMBAL_ANGLE_MAX_MDEG);
+	CHECK(report.own.pitch_mdeg >= -GIMBAL_ANGLE_MAX_MDEG &&
+	      report.own.pitch_mdeg <= GIMBAL_ANGLE_MAX_MDEG);
 	CHECK(report.level.pitch_mdeg >= -90001 && report.level.pitch_mdeg <= 90001);
 }
 
-static void move_servos(void)
+/* Within what any servo takes, whatever the parameters say. */
+static void check_servos(void)
 {
-	struct gimbal_outbox moves;
-
-	gimbal_advance(&gimbal, now_us, &moves);
-	CHECK(gimbal_deadline_us(&gimbal) > now_us);
-	for (int i = 0; i < GIMBAL_AXES && moves.move; i++) {
-		CHECK(moves.pulse_ns[i] >= 1000000 && moves.pulse_ns[i] <= 2000000);
+	CHECK(gimbal_deadline_us(gimbal) > now_us);
+	for (int i = 0; i < GIMBAL_AXES; i++) {
+		CHECK(gimbal->pulse_ns[i] >= 1000u * GIMBAL_PULSE_MIN_US &&
+		      gimbal->pulse_ns[i] <= 1000u * GIMBAL_PULSE_MAX_US);
 	}
 	check_gimbal();
 }
@@ -201,16 +201,17 @@ static void check_forward(uint8_t link, const uint8_t *bytes, size_t length)
 
 static void arrive(uint8_t link, const uint8_t *bytes, size_t length)
 {
-	const uint32_t revision = light.revision;
+	const uint32_t revision = light->revision;
 	const bool refuses = endpoint.signing.on && !trusted;
 
 	mavlink_endpoint_receive(&endpoint, now_us, link, bytes, length, &out);
 	check_forward(link, bytes, length);
-	CHECK(!refuses || (out.command == 0 && light.revision == revision));
+	CHECK(!refuses || (out.command == 0 && light->revision == revision));
 	CHECK(out.count <= MAVLINK_COMPONENTS_MAX * (1 + MAVLINK_LINKS_MAX));
 	if (check_sent(MAV_RESULT_ACCEPTED) == 0) {
-		CHECK(light.revision == revision);
+		CHECK(light->revision == revision);
 	}
+	settle();
 	check_light();
 	check_gimbal();
 }
@@ -432,40 +433,34 @@ static void compare_framers(struct script *script)
 
 static void time_moves(struct script *script)
 {
-	struct illuminator_outbox actions;
-	struct illuminator_event event;
 	int steps = 0;
 
 	now_us += (int64_t)take(script) * 100000 + take(script);
-	while (self_test_step(&self_test, now_us, &light, &event)) {
-		CHECK(illuminator_step(&light, now_us, &event, &actions) == ILLUMINATOR_ACCEPTED);
-		mavlink_endpoint_observe(&endpoint, now_us, &actions);
-	}
+	pharos_device_step(&device, now_us);
+	settle();
 	while (mavlink_endpoint_deadline_us(&endpoint) <= now_us) {
 		mavlink_endpoint_step(&endpoint, now_us, &out);
 		check_sent(0);
 		CHECK(out.count > 0 || mavlink_endpoint_deadline_us(&endpoint) > now_us);
 		CHECK(++steps < 100);
 	}
-	move_servos();
+	check_servos();
 }
 
 static void heat(struct script *script)
 {
 	const uint8_t choice = take(script);
-	struct illuminator_outbox actions;
-	const struct illuminator_event event = {
-		.kind = ILLUMINATOR_EVENT_THERMAL,
-		.thermal = {.state = (enum thermal_state)(choice % 3),
-	                    .sensor = choice & 0x40 ? THERMAL_SENSOR_FAILED : THERMAL_SENSOR_OK,
-	                    .fault = choice & 0x40 ? THERMAL_FAULT_STUCK : THERMAL_FAULT_NONE,
-	                    .flags = choice % 3,
-	                    .temp_mdegc = choice * 1000,
-	                    .temp_valid = (choice & 0x40) == 0},
+	const struct thermal_report report = {
+		.state = (enum thermal_state)(choice % 3),
+		.sensor = choice & 0x40 ? THERMAL_SENSOR_FAILED : THERMAL_SENSOR_OK,
+		.fault = choice & 0x40 ? THERMAL_FAULT_STUCK : THERMAL_FAULT_NONE,
+		.flags = choice % 3,
+		.temp_mdegc = choice * 1000,
+		.temp_valid = (choice & 0x40) == 0,
 	};
 
-	illuminator_step(&light, now_us, &event, &actions);
-	mavlink_endpoint_observe(&endpoint, now_us, &actions);
+	pharos_device_report_heat(&device, now_us, 0, &report);
+	settle();
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

@@ -126,6 +126,51 @@ def test_threads_and_main_include_core_proto_zephyr_and_drivers_api() -> None:
     _report(wrong, "threads and main include core, proto, zephyr/* and pharos/drivers/*")
 
 
+OUTPUTS = {"power.c", "shutdown.c", "thruster.c", "focus.c", "display.c"}
+
+# What changes the machines that stand behind the device's door, by the file that has them.
+BEHIND_THE_DOOR = {
+    "illuminator.c": "illuminator_step",
+    "gimbal.c": "gimbal_(step|advance)",
+    "arbiter.c": "arbiter_(check|commit|heard|configure|advance)",
+    "params.c": "params_(set|set_by_name|reset|tell)",
+    "self_test.c": "self_test_(begin|step|cancel|driver)",
+    "actuators.c": "actuators_(step|advance|set_[a-z]+)",
+    "power.c": "power_(command|advance)",
+    "shutdown.c": "shutdown_(command|advance)",
+    "thruster.c": "thruster_(set|configure|restart|advance)",
+    "focus.c": "focus_(command|move|advance)",
+    "display.c": "display_command",
+}
+
+
+def test_only_the_device_changes_what_is_behind_its_door() -> None:
+    wrong = []
+    for path in _sources("app"):
+        if path.suffix != ".c" or path == ROOT / "app/core/device.c":
+            continue
+        text = _strip(path.read_text())
+        for owner, verbs in BEHIND_THE_DOOR.items():
+            # the outputs' own parts are stepped by them
+            inner = path.name == "actuators.c" and owner in OUTPUTS
+            if path == ROOT / "app/core" / owner or inner:
+                continue
+            wrong += [
+                f"  {_name(path)}:{text.count(chr(10), 0, match.start()) + 1}: {match[0]}"
+                for match in re.finditer(rf"\b{verbs}(?=\s*\()", text)
+            ]
+    assert not wrong, "only core/device.c changes what the device owns:\n" + "\n".join(wrong)
+
+
+def test_every_verb_behind_the_door_exists() -> None:
+    """A verb that is renamed must not slip out of the rule."""
+    for owner, verbs in BEHIND_THE_DOOR.items():
+        text = (ROOT / "app/core" / owner).read_text()
+        prefix, _, choice = verbs.partition("(")
+        for verb in choice.rstrip(")").split("|") if choice else [""]:
+            assert re.search(rf"^[a-z].*\b{prefix}{verb}\(", text, re.MULTILINE), f"{prefix}{verb}"
+
+
 def test_drivers_never_include_the_app() -> None:
     wrong = [
         i

@@ -27,20 +27,20 @@ static const struct dronecan_subscription subscriptions[] = {
 _Static_assert(SUBSCRIPTIONS_COUNT <= DRONECAN_SUBSCRIPTIONS_MAX, "every subscription fits");
 
 void dronecan_endpoint_init(struct dronecan_endpoint *self, int64_t now_us,
-                            const struct dronecan_endpoint_config *config, struct params *params)
+                            const struct dronecan_endpoint_config *config,
+                            struct pharos_device *device)
 {
 	dronecan_transport_init(&self->transport, subscriptions, SUBSCRIPTIONS_COUNT,
 	                        config->node_id, config->fd, config->seed);
-	dronecan_node_init(&self->node, now_us, &config->node, &self->transport, params);
+	dronecan_node_init(&self->node, now_us, &config->node, &self->transport, device);
 	dronecan_tunnel_init(&self->tunnel);
-	dronecan_lights_init(&self->lights, now_us, &config->lights);
+	dronecan_lights_init(&self->lights, now_us, &config->lights, device);
 	dronecan_firmware_init(&self->firmware, &self->node, config->no_update);
 }
 
 static void clear(struct dronecan_outbox *out)
 {
 	out->node.count = 0;
-	out->lights.count = 0;
 	out->firmware.event = DRONECAN_FIRMWARE_NOTHING;
 	out->tunnel_received = false;
 }
@@ -60,13 +60,13 @@ void dronecan_endpoint_receive(struct dronecan_endpoint *self, int64_t now_us,
 		return;
 	}
 	dronecan_node_receive(&self->node, now_us, &transfer, &out->node);
-	dronecan_lights_receive(&self->lights, &transfer, &out->lights);
+	dronecan_lights_receive(&self->lights, now_us, &transfer);
 	dronecan_firmware_receive(&self->firmware, now_us, &transfer, &out->firmware);
 }
 
-void dronecan_endpoint_report(struct dronecan_endpoint *self, int64_t now_us,
-                              const struct illuminator *illuminator)
+void dronecan_endpoint_report(struct dronecan_endpoint *self, int64_t now_us)
 {
+	const struct illuminator *illuminator = &self->lights.device->lamps[0].illuminator;
 	const struct thermal_report *thermal = &illuminator->thermal;
 	const struct dronecan_node_condition condition = {
 		.health = (thermal->limit_ppm == 0 || thermal->dark)

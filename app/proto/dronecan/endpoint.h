@@ -4,14 +4,14 @@
  *
  * A thread does this: each received frame into _receive(), _step() at the deadline and after
  * whatever was written or reported, then frames out while _next_frame() has one and the driver
- * takes it. The outbox of each call is to be performed before the next call.
+ * takes it. The device's effects and the outbox of each call are to be performed before the next.
  *
  * Context: the thread that owns it, no locks inside.
  */
 #ifndef PHAROS_PROTO_DRONECAN_ENDPOINT_H
 #define PHAROS_PROTO_DRONECAN_ENDPOINT_H
 
-#include "core/illuminator.h"
+#include "core/device.h"
 #include "proto/dronecan/firmware.h"
 #include "proto/dronecan/lights.h"
 #include "proto/dronecan/node.h"
@@ -35,7 +35,6 @@ struct dronecan_endpoint_config {
 /* tunnel_received: tunnel is set, its data holds until the next _receive(). */
 struct dronecan_outbox {
 	struct dronecan_node_outbox node;
-	struct dronecan_lights_outbox lights;
 	struct dronecan_firmware_outbox firmware;
 	bool tunnel_received;
 	struct dronecan_tunnel_received tunnel;
@@ -50,20 +49,21 @@ struct dronecan_endpoint {
 	struct dronecan_tunnel_targetted scratch;
 };
 
-/* config, params: kept by reference. */
+/* config, device: kept by reference. */
 void dronecan_endpoint_init(struct dronecan_endpoint *self, int64_t now_us,
-                            const struct dronecan_endpoint_config *config, struct params *params);
+                            const struct dronecan_endpoint_config *config,
+                            struct pharos_device *device);
 
 void dronecan_endpoint_receive(struct dronecan_endpoint *self, int64_t now_us,
                                const struct dronecan_frame *frame, struct dronecan_outbox *out);
 
 /*
- * What the lamp is like now: becomes NodeStatus, hardpoint.Status and Temperature. The first call
+ * Looks at what the lamp is like now: becomes NodeStatus, hardpoint.Status and Temperature. After
+ * whatever has changed it, and when the firmware's state has changed. The first call
  * makes the node OPERATIONAL. Health is ERROR while heat or a failed sensor allow no light at all;
  * the vendor specific code is ILLUMINATOR_ERROR_FLAGS. Mode SOFTWARE_UPDATE while an image is read.
  */
-void dronecan_endpoint_report(struct dronecan_endpoint *self, int64_t now_us,
-                              const struct illuminator *illuminator);
+void dronecan_endpoint_report(struct dronecan_endpoint *self, int64_t now_us);
 
 void dronecan_endpoint_step(struct dronecan_endpoint *self, int64_t now_us,
                             struct dronecan_outbox *out);

@@ -5,6 +5,9 @@
 
 #include "core/assert.h"
 
+/* The lamp that the ids are of. */
+#define LAMP 0
+
 #define REPORT_PERIOD_US (1 * US_PER_S)
 #define PRIORITY_REPORT  24u
 #define KELVIN_0_DEGC    273.15f
@@ -17,7 +20,31 @@
 #define PULSE_CENTRE_US        1500.0f
 #define PULSE_HALF_RANGE_US    500.0f
 
-void dronecan_lights_forget(struct dronecan_lights *self)
+enum order_kind {
+	ORDER_LAMP, /* on, and brightness_ppm, 0: as it is */
+	ORDER_PAN,  /* position_ppm */
+	ORDER_TILT,
+};
+
+/* Brightness by light, hardpoint or actuator, pan, tilt: a message commands each at most once. */
+#define ORDERS_MAX 3u
+
+struct order {
+	enum order_kind kind;
+	bool is_repeated; /* the same as this source's command before */
+	bool on;
+	uint32_t brightness_ppm;
+	int32_t position_ppm; /* -PPM_ONE…PPM_ONE of the axis's range */
+};
+
+/* What a message says. */
+struct orders {
+	uint8_t count;
+	struct order orders[ORDERS_MAX];
+};
+
+/* The next command counts as new, even if it is the same. */
+static void forget(struct dronecan_lights *self)
 {
 	for (size_t i = 0; i < DRONECAN_LIGHTS_SOURCES; i++) {
 		self->last[i] = INT32_MIN;
@@ -25,70 +52,122 @@ void dronecan_lights_forget(struct dronecan_lights *self)
 }
 
 void dronecan_lights_init(struct dronecan_lights *self, int64_t now_us,
-                          const struct dronecan_lights_config *config)
+                          const struct dronecan_lights_config *config, struct pharos_device *device)
 {
 	memset(self, 0, sizeof(*self));
+	self->device = device;
 	self->config = *config;
 	self->report_us = now_us;
-	dronecan_lights_forget(self);
+	forget(self);
 }
 
 void dronecan_lights_configure(struct dronecan_lights *self,
                                const struct dronecan_lights_config *config)
 {
 	self->config = *config;
-	dronecan_lights_forget(self);
+	forget(self);
 }
 
-/* The outbox's place for this kind of action: the last command of a message holds. */
-static struct dronecan_lights_action *place(struct dronecan_lights_outbox *out,
-                                            enum dronecan_lights_action_kind kind)
+/* --- carrying out ----------------------------------------------------------------------------- */
+
+static enum device_result light(struct dronecan_lights *self, int64_t now_us,
+                                const struct device_who *who, const struct order *order)
 {
-	for (uint8_t i = 0; i < out->count; i++) {
-		if (out->actions[i].kind == kind) {
-			return &out->actions[i];
+	const struct illuminator_event events[] = {
+		{.kind = ILLUMINATOR_EVENT_ON_OFF, .on_off = order->on},
+		{.kind = ILLUMINATOR_EVENT_BRIGHTNESS, .brightness_ppm = order->brightness_ppm},
+	};
+
+	return pharos_device_apply(self->device, now_us, who, LAMP, events,
+	                           order->brightness_ppm == 0 ? 1 : 2);
+}
+
+static enum device_result point(struct dronecan_lights *self, int64_t now_us,
+                                const struct device_who *who, const struct order *order)
+{
+	const enum gimbal_axis_id axis = order->kind == ORDER_PAN ? GIMBAL_PAN : GIMBAL_TILT;
+	struct gimbal_event aim = {.kind = GIMBAL_EVENT_AIM};
+
+	if (!pharos_device_has_gimbal(self->device)) {
+		return DEVICE_ABSENT;
+	}
+	aim.aim[axis] = (struct gimbal_aim){
+		.kind = GIMBAL_ANGLE,
+		.value = pharos_device_share_mdeg(self->device, axis, order->position_ppm),
+	};
+	return pharos_device_point(self->device, now_us, who, &aim);
+}
+
+static enum device_result give(struct dronecan_lights *self, int64_t now_us,
+                               const struct order *order)
+{
+	const struct device_who who = {
+		.way = SECURITY_WAY_DRONECAN,
+		.is_repeated = order->is_repeated,
+	};
+
+	return order->kind == ORDER_LAMP ? light(self, now_us, &who, order)
+	                                 : point(self, now_us, &who, order);
+}
+
+static void carry_out(struct dronecan_lights *self, int64_t now_us, const struct orders *orders)
+{
+	for (uint8_t i = 0; i < orders->count; i++) {
+		switch (give(self, now_us, &orders->orders[i])) {
+		case DEVICE_ACCEPTED:
+			self->stats.applied++;
+			break;
+		case DEVICE_KEPT:
+			self->stats.kept++;
+			break;
+		case DEVICE_ABSENT:
+			self->stats.no_gimbal++;
+			break;
+		case DEVICE_DENIED:
+		case DEVICE_FAILED:
+		case DEVICE_EXCLUDED:
+		case DEVICE_OUTRANKED:
+			self->stats.rejected++;
+			forget(self);
+			break;
 		}
 	}
-	PHAROS_ASSERT(out->count < DRONECAN_LIGHTS_OUTBOX_MAX);
-	out->actions[out->count].kind = kind;
-	return &out->actions[out->count++];
+}
+
+/* --- reading ---------------------------------------------------------------------------------- */
+
+/* The place for this kind of order: the last command of a message holds. */
+static struct order *place(struct orders *orders, enum order_kind kind)
+{
+	for (uint8_t i = 0; i < orders->count; i++) {
+		if (orders->orders[i].kind == kind) {
+			return &orders->orders[i];
+		}
+	}
+	PHAROS_ASSERT(orders->count < ORDERS_MAX);
+	orders->orders[orders->count].kind = kind;
+	return &orders->orders[orders->count++];
 }
 
 /* value: what decides whether the command is the same as the one before. */
-static struct dronecan_lights_action *command(struct dronecan_lights *self,
-                                              enum dronecan_lights_source source, int32_t value,
-                                              enum dronecan_lights_action_kind kind,
-                                              struct dronecan_lights_outbox *out)
+static struct order *command(struct dronecan_lights *self, enum dronecan_lights_source source,
+                             int32_t value, enum order_kind kind, struct orders *orders)
 {
-	const uint8_t before = out->count;
-	struct dronecan_lights_action *action = place(out, kind);
-	const bool fresh = out->count > before;
+	const uint8_t before = orders->count;
+	struct order *const order = place(orders, kind);
+	const bool is_fresh = orders->count > before;
 
 	self->stats.commands++;
-	action->repeated = self->last[source] == value && (fresh || action->repeated);
+	order->is_repeated = self->last[source] == value && (is_fresh || order->is_repeated);
 	self->last[source] = value;
-	return action;
-}
-
-static void command_on_off(struct dronecan_lights_action *action, bool on)
-{
-	action->events_count = 1;
-	action->events[0].kind = ILLUMINATOR_EVENT_ON_OFF;
-	action->events[0].on_off = on;
+	return order;
 }
 
 /* Dark is off and keeps the brightness set before. */
-static void command_brightness(struct dronecan_lights_action *action, uint32_t brightness_ppm)
+static void command_brightness(struct order *order, uint32_t brightness_ppm)
 {
-	if (brightness_ppm == 0) {
-		command_on_off(action, false);
-		return;
-	}
-	action->events_count = 2;
-	action->events[0].kind = ILLUMINATOR_EVENT_BRIGHTNESS;
-	action->events[0].brightness_ppm = brightness_ppm;
-	action->events[1].kind = ILLUMINATOR_EVENT_ON_OFF;
-	action->events[1].on_off = true;
+	order->on = brightness_ppm > 0;
+	order->brightness_ppm = brightness_ppm;
 }
 
 static uint32_t ratio_ppm(uint32_t value, uint32_t max)
@@ -102,7 +181,7 @@ static uint32_t max_of(uint32_t a, uint32_t b)
 }
 
 static void receive_lights(struct dronecan_lights *self, const struct dronecan_transfer *transfer,
-                           struct dronecan_lights_outbox *out)
+                           struct orders *orders)
 {
 	struct dronecan_indication_lights_command message;
 
@@ -122,14 +201,13 @@ static void receive_lights(struct dronecan_lights *self, const struct dronecan_t
 		               ratio_ppm(color->green, GREEN_MAX));
 
 		command_brightness(command(self, DRONECAN_LIGHTS_SOURCE_LIGHT, (int32_t)level_ppm,
-		                           DRONECAN_LIGHTS_EVENTS, out),
+		                           ORDER_LAMP, orders),
 		                   level_ppm);
 	}
 }
 
 static void receive_hardpoint(struct dronecan_lights *self,
-                              const struct dronecan_transfer *transfer,
-                              struct dronecan_lights_outbox *out)
+                              const struct dronecan_transfer *transfer, struct orders *orders)
 {
 	struct dronecan_hardpoint_command message;
 
@@ -140,10 +218,11 @@ static void receive_hardpoint(struct dronecan_lights *self,
 	}
 	if (message.hardpoint_id == self->config.hardpoint_id) {
 		const bool on = message.command != 0;
+		struct order *const order = command(self, DRONECAN_LIGHTS_SOURCE_HARDPOINT,
+		                                    on ? 1 : 0, ORDER_LAMP, orders);
 
-		command_on_off(command(self, DRONECAN_LIGHTS_SOURCE_HARDPOINT, on ? 1 : 0,
-		                       DRONECAN_LIGHTS_EVENTS, out),
-		               on);
+		order->on = on;
+		order->brightness_ppm = 0;
 	}
 }
 
@@ -171,7 +250,7 @@ static bool position(const struct dronecan_actuator_command *message, int32_t *p
 }
 
 static void actuate(struct dronecan_lights *self, const struct dronecan_actuator_command *message,
-                    struct dronecan_lights_outbox *out)
+                    struct orders *orders)
 {
 	const int16_t id = message->actuator_id;
 	int32_t position_ppm;
@@ -186,22 +265,21 @@ static void actuate(struct dronecan_lights *self, const struct dronecan_actuator
 	}
 	if (id == self->config.brightness_actuator_id) {
 		command_brightness(command(self, DRONECAN_LIGHTS_SOURCE_BRIGHTNESS, position_ppm,
-		                           DRONECAN_LIGHTS_EVENTS, out),
+		                           ORDER_LAMP, orders),
 		                   (uint32_t)(position_ppm + (int32_t)PPM_ONE) / 2u);
 	}
 	if (id == self->config.pan_actuator_id) {
-		command(self, DRONECAN_LIGHTS_SOURCE_PAN, position_ppm, DRONECAN_LIGHTS_PAN, out)
+		command(self, DRONECAN_LIGHTS_SOURCE_PAN, position_ppm, ORDER_PAN, orders)
 			->position_ppm = position_ppm;
 	}
 	if (id == self->config.tilt_actuator_id) {
-		command(self, DRONECAN_LIGHTS_SOURCE_TILT, position_ppm, DRONECAN_LIGHTS_TILT, out)
+		command(self, DRONECAN_LIGHTS_SOURCE_TILT, position_ppm, ORDER_TILT, orders)
 			->position_ppm = position_ppm;
 	}
 }
 
 static void receive_actuators(struct dronecan_lights *self,
-                              const struct dronecan_transfer *transfer,
-                              struct dronecan_lights_outbox *out)
+                              const struct dronecan_transfer *transfer, struct orders *orders)
 {
 	struct dronecan_actuator_array_command message;
 
@@ -211,25 +289,29 @@ static void receive_actuators(struct dronecan_lights *self,
 		return;
 	}
 	for (uint8_t i = 0; i < message.commands_len; i++) {
-		actuate(self, &message.commands[i], out);
+		actuate(self, &message.commands[i], orders);
 	}
 }
 
-void dronecan_lights_receive(struct dronecan_lights *self, const struct dronecan_transfer *transfer,
-                             struct dronecan_lights_outbox *out)
+void dronecan_lights_receive(struct dronecan_lights *self, int64_t now_us,
+                             const struct dronecan_transfer *transfer)
 {
-	out->count = 0;
+	struct orders orders = {.count = 0};
+
 	if (transfer->kind != DRONECAN_MESSAGE || transfer->source == 0) {
 		return;
 	}
 	if (transfer->type == &dronecan_indication_lights_command_type) {
-		receive_lights(self, transfer, out);
+		receive_lights(self, transfer, &orders);
 	} else if (transfer->type == &dronecan_hardpoint_command_type) {
-		receive_hardpoint(self, transfer, out);
+		receive_hardpoint(self, transfer, &orders);
 	} else if (transfer->type == &dronecan_actuator_array_command_type) {
-		receive_actuators(self, transfer, out);
+		receive_actuators(self, transfer, &orders);
 	}
+	carry_out(self, now_us, &orders);
 }
+
+/* --- telling ---------------------------------------------------------------------------------- */
 
 void dronecan_lights_set_report(struct dronecan_lights *self, int64_t now_us,
                                 const struct dronecan_lights_report *report)

@@ -8,15 +8,15 @@
  * pulses of 1000…2000 us (beyond these ends: the end; beyond 500…2500 us, NaN and infinite: refused
  * and counted).
  *
- * Vehicles repeat these many times per second. A repetition is marked, so that it need not take the
- * light back from whoever commanded it since.
+ * Vehicles repeat these many times per second. A repetition is marked, so that it does not take the
+ * light back from whoever commanded it since. What was refused counts as new when it comes again.
  *
  * Context: the thread that owns it, no locks inside.
  */
 #ifndef PHAROS_PROTO_DRONECAN_LIGHTS_H
 #define PHAROS_PROTO_DRONECAN_LIGHTS_H
 
-#include "core/illuminator.h"
+#include "core/device.h"
 #include "proto/dronecan/transport.h"
 
 #include <stdbool.h>
@@ -33,31 +33,6 @@ struct dronecan_lights_config {
 	int16_t tilt_actuator_id;
 };
 
-enum dronecan_lights_action_kind {
-	DRONECAN_LIGHTS_EVENTS, /* events: all of them, in order, or none */
-	DRONECAN_LIGHTS_PAN,    /* position_ppm */
-	DRONECAN_LIGHTS_TILT,
-};
-
-struct dronecan_lights_action {
-	enum dronecan_lights_action_kind kind;
-	bool repeated; /* the same as this source's command before */
-	union {
-		struct {
-			uint8_t events_count;
-			struct illuminator_event events[2];
-		};
-		int32_t position_ppm; /* -PPM_ONE…PPM_ONE of the axis's range */
-	};
-};
-
-/* Brightness by light, hardpoint or actuator, pan, tilt: a message commands each at most once. */
-#define DRONECAN_LIGHTS_OUTBOX_MAX 3u
-struct dronecan_lights_outbox {
-	uint8_t count;
-	struct dronecan_lights_action actions[DRONECAN_LIGHTS_OUTBOX_MAX];
-};
-
 /* What is told about the lamp. temp_mdegc only with temp_valid. */
 struct dronecan_lights_report {
 	bool on; /* as commanded */
@@ -70,6 +45,10 @@ struct dronecan_lights_stats {
 	uint32_t commands; /* that were for us */
 	uint32_t malformed;
 	uint32_t refused; /* no number, or a value or type of no meaning here */
+	uint32_t applied;
+	uint32_t rejected;  /* by the device */
+	uint32_t kept;      /* repetitions while somebody else is in command */
+	uint32_t no_gimbal; /* pan and tilt, but there is none */
 };
 
 enum dronecan_lights_source {
@@ -82,6 +61,7 @@ enum dronecan_lights_source {
 };
 
 struct dronecan_lights {
+	struct pharos_device *device;
 	struct dronecan_lights_config config;
 	struct dronecan_lights_stats stats;
 	struct dronecan_lights_report report;
@@ -89,17 +69,16 @@ struct dronecan_lights {
 	int32_t last[DRONECAN_LIGHTS_SOURCES]; /* what each source commanded; INT32_MIN: nothing */
 };
 
+/* device: kept by reference. */
 void dronecan_lights_init(struct dronecan_lights *self, int64_t now_us,
-                          const struct dronecan_lights_config *config);
+                          const struct dronecan_lights_config *config,
+                          struct pharos_device *device);
 void dronecan_lights_configure(struct dronecan_lights *self,
                                const struct dronecan_lights_config *config);
 
-/* One of the three commands (others: ignored). *out is overwritten. */
-void dronecan_lights_receive(struct dronecan_lights *self, const struct dronecan_transfer *transfer,
-                             struct dronecan_lights_outbox *out);
-
-/* The arbiter or the illuminator refused: the next command counts as new, even if the same. */
-void dronecan_lights_forget(struct dronecan_lights *self);
+/* One of the three commands (others: ignored): carried out. */
+void dronecan_lights_receive(struct dronecan_lights *self, int64_t now_us,
+                             const struct dronecan_transfer *transfer);
 
 /* hardpoint.Status at once when `on` changes, else each second; Temperature each second. */
 void dronecan_lights_set_report(struct dronecan_lights *self, int64_t now_us,

@@ -18,7 +18,7 @@ static bool is_anonymous(const struct dronecan_node *self)
 
 void dronecan_node_init(struct dronecan_node *self, int64_t now_us,
                         const struct dronecan_node_config *config,
-                        struct dronecan_transport *transport, struct params *params)
+                        struct dronecan_transport *transport, struct pharos_device *device)
 {
 	static const uint8_t zeros[DRONECAN_UNIQUE_ID_SIZE];
 
@@ -28,7 +28,7 @@ void dronecan_node_init(struct dronecan_node *self, int64_t now_us,
 	memset(self, 0, sizeof(*self));
 	self->config = config;
 	self->transport = transport;
-	self->params = params;
+	self->device = device;
 	self->condition.mode = DRONECAN_NODE_STATUS_MODE_INITIALIZATION;
 	self->status_us = now_us;
 	self->restart_us = TIME_NEVER_US;
@@ -234,7 +234,7 @@ void dronecan_node_receive(struct dronecan_node *self, int64_t now_us,
 	} else if (transfer->type == &dronecan_restart_node_type) {
 		restart_node(self, now_us, transfer);
 	} else if (transfer->type == &dronecan_param_get_set_type) {
-		dronecan_node_get_set(self, now_us, transfer, out);
+		dronecan_node_get_set(self, now_us, transfer);
 	} else if (transfer->type == &dronecan_param_execute_opcode_type) {
 		dronecan_node_execute_opcode(self, now_us, transfer, out);
 	}

@@ -14,7 +14,7 @@
 #ifndef PHAROS_PROTO_DRONECAN_NODE_H
 #define PHAROS_PROTO_DRONECAN_NODE_H
 
-#include "core/params.h"
+#include "core/device.h"
 #include "proto/dronecan/allocation.h"
 #include "proto/dronecan/transport.h"
 
@@ -41,19 +41,15 @@ struct dronecan_node_condition {
 };
 
 enum dronecan_node_action_kind {
-	DRONECAN_NODE_RESTART,        /* reset the device; the answer has had time to leave */
-	DRONECAN_NODE_SAVE,           /* write the parameters to storage */
-	DRONECAN_NODE_ERASE,          /* erase the stored parameters; all are at defaults now */
-	DRONECAN_NODE_PARAMS_CHANGED, /* changed: put them in force, as core/params.h says */
-	DRONECAN_NODE_ID_ALLOCATED,   /* node_id: in force already */
+	DRONECAN_NODE_RESTART,      /* reset the device; the answer has had time to leave */
+	DRONECAN_NODE_SAVE,         /* write the parameters to storage */
+	DRONECAN_NODE_ERASE,        /* erase the stored parameters; all are at defaults now */
+	DRONECAN_NODE_ID_ALLOCATED, /* node_id: in force already */
 };
 
 struct dronecan_node_action {
 	enum dronecan_node_action_kind kind;
-	union {
-		struct param_set changed;
-		uint8_t node_id;
-	};
+	uint8_t node_id;
 };
 
 /* One call returns at most two. */
@@ -73,7 +69,7 @@ struct dronecan_node_stats {
 struct dronecan_node {
 	const struct dronecan_node_config *config;
 	struct dronecan_transport *transport;
-	struct params *params;
+	struct pharos_device *device;
 	struct dronecan_allocation allocation;
 	struct dronecan_node_condition condition;
 	struct dronecan_node_stats stats;
@@ -88,7 +84,7 @@ struct dronecan_node {
  */
 void dronecan_node_init(struct dronecan_node *self, int64_t now_us,
                         const struct dronecan_node_config *config,
-                        struct dronecan_transport *transport, struct params *params);
+                        struct dronecan_transport *transport, struct pharos_device *device);
 
 /* A change of health or mode is sent at the next step instead of within a second. */
 void dronecan_node_set_condition(struct dronecan_node *self, int64_t now_us,
@@ -124,8 +120,7 @@ bool dronecan_node_respond(struct dronecan_node *self, int64_t now_us,
 
 /* param_service.c: GetSet and ExecuteOpcode. */
 void dronecan_node_get_set(struct dronecan_node *self, int64_t now_us,
-                           const struct dronecan_transfer *request,
-                           struct dronecan_node_outbox *out);
+                           const struct dronecan_transfer *request);
 void dronecan_node_execute_opcode(struct dronecan_node *self, int64_t now_us,
                                   const struct dronecan_transfer *request,
                                   struct dronecan_node_outbox *out);

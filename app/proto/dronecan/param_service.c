@@ -6,15 +6,7 @@
 _Static_assert(PARAMS_NAME_MAX <= sizeof(((struct dronecan_param_get_set_response *)0)->name),
                "a parameter's name fits");
 
-static void add_changed(struct dronecan_node_outbox *out, const struct param_set *changed)
-{
-	if (!param_set_is_empty(changed)) {
-		out->actions[out->count++] = (struct dronecan_node_action){
-			.kind = DRONECAN_NODE_PARAMS_CHANGED,
-			.changed = *changed,
-		};
-	}
-}
+static const struct device_who who = {.way = SECURITY_WAY_DRONECAN};
 
 /* A name counts before an index. PARAM_COUNT: no such parameter. */
 static uint32_t find(const struct dronecan_param_get_set_request *request)
@@ -43,18 +35,15 @@ static bool as_integer(const struct dronecan_param_value *value, int32_t *intege
 	return false;
 }
 
-static void set(struct dronecan_node *self, uint32_t index,
-                const struct dronecan_param_value *value, struct dronecan_node_outbox *out)
+static void set(struct dronecan_node *self, int64_t now_us, uint32_t index,
+                const struct dronecan_param_value *value)
 {
-	struct param_set changed;
 	int32_t integer;
 
 	if (!as_integer(value, &integer) ||
-	    params_set(self->params, index, integer, &changed) != PARAMS_OK) {
+	    pharos_device_set_param(self->device, now_us, &who, index, integer) != PARAMS_OK) {
 		self->stats.params_refused++;
-		return;
 	}
-	add_changed(out, &changed);
 }
 
 static struct dronecan_param_numeric_value numeric(int32_t value)
@@ -75,53 +64,49 @@ static struct dronecan_param_value integer(int32_t value)
 
 /* What is in force now; all empty for a parameter that does not exist. */
 static void answer(struct dronecan_node *self, int64_t now_us,
-                   const struct dronecan_transfer *request, uint32_t index)
+                   const struct dronecan_transfer *request, uint32_t index,
+                   struct dronecan_param_get_set_response *response)
 {
 	const struct param_info *info = params_info(index);
-	struct dronecan_param_get_set_response response;
 	uint8_t data[DRONECAN_TX_PAYLOAD_MAX];
 	int32_t value = 0;
 	size_t size;
 
-	memset(&response, 0, sizeof(response));
-	if (info != NULL && params_get(self->params, index, &value) == PARAMS_OK) {
-		response.value = integer(value);
-		response.default_value = integer(info->fallback);
-		response.max_value = numeric(info->max);
-		response.min_value = numeric(info->min);
-		response.name_len = (uint8_t)strlen(info->name);
-		memcpy(response.name, info->name, response.name_len);
+	memset(response, 0, sizeof(*response));
+	if (info != NULL && params_get(&self->device->params, index, &value) == PARAMS_OK) {
+		response->value = integer(value);
+		response->default_value = integer(info->fallback);
+		response->max_value = numeric(info->max);
+		response->min_value = numeric(info->min);
+		response->name_len = (uint8_t)strlen(info->name);
+		memcpy(response->name, info->name, response->name_len);
 	}
-	if (dronecan_param_get_set_response_encode(&response, !(request->fd && self->transport->fd),
+	if (dronecan_param_get_set_response_encode(response, !(request->fd && self->transport->fd),
 	                                           data, sizeof(data), &size)) {
 		(void)dronecan_node_respond(self, now_us, request, data, size);
 	}
 }
 
 void dronecan_node_get_set(struct dronecan_node *self, int64_t now_us,
-                           const struct dronecan_transfer *request,
-                           struct dronecan_node_outbox *out)
+                           const struct dronecan_transfer *request)
 {
-	struct dronecan_param_get_set_request message;
+	/* one after the other, so that the stack need not hold both */
+	union {
+		struct dronecan_param_get_set_request request;
+		struct dronecan_param_get_set_response response;
+	} wire;
 
-	if (!dronecan_param_get_set_request_decode(&message, !request->fd, request->data,
+	if (!dronecan_param_get_set_request_decode(&wire.request, !request->fd, request->data,
 	                                           request->size)) {
 		self->stats.malformed++;
 		return;
 	}
-	const uint32_t index = find(&message);
+	const uint32_t index = find(&wire.request);
 
-	if (index != PARAM_COUNT && message.value.tag != DRONECAN_PARAM_VALUE_EMPTY) {
-		set(self, index, &message.value, out);
+	if (index != PARAM_COUNT && wire.request.value.tag != DRONECAN_PARAM_VALUE_EMPTY) {
+		set(self, now_us, index, &wire.request.value);
 	}
-	answer(self, now_us, request, index);
-}
-
-static void reset(struct dronecan_node *self, struct dronecan_node_outbox *out)
-{
-	const struct param_set changed = params_reset(self->params);
-
-	add_changed(out, &changed);
+	answer(self, now_us, request, index, &wire.response);
 }
 
 void dronecan_node_execute_opcode(struct dronecan_node *self, int64_t now_us,
@@ -144,7 +129,7 @@ void dronecan_node_execute_opcode(struct dronecan_node *self, int64_t now_us,
 	} else if (message.opcode == DRONECAN_PARAM_EXECUTE_OPCODE_OPCODE_ERASE) {
 		out->actions[out->count++] =
 			(struct dronecan_node_action){.kind = DRONECAN_NODE_ERASE};
-		reset(self, out);
+		pharos_device_reset_params(self->device, now_us, &who);
 	} else {
 		response.ok = false;
 	}

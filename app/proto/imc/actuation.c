@@ -28,7 +28,7 @@ void imc_turn_reply(const struct imc_turn *turn, enum imc_entity entity,
 /* Whether this board has what the map says. */
 bool imc_actuation_has(const struct imc_actuation *self, const struct imc_map_row *row)
 {
-	const struct actuators_config *const board = &self->actuators.config;
+	const struct actuators_config *const board = &self->device->actuators.config;
 
 	switch (row->thing) {
 	case IMC_THING_POWER_CHANNEL:
@@ -45,7 +45,7 @@ bool imc_actuation_has(const struct imc_actuation *self, const struct imc_map_ro
 		return imc_mask_has(board->pwms, row->number);
 	case IMC_THING_PAN:
 	case IMC_THING_TILT:
-		return self->gimbal;
+		return pharos_device_has_gimbal(self->device);
 	case IMC_THING_THRUSTER:
 		return board->thruster;
 	case IMC_THING_FOCUS:
@@ -82,7 +82,7 @@ const struct imc_map_row *imc_actuation_find_id(struct imc_actuation *self,
 	return (row != NULL && imc_actuation_has(self, row)) ? row : NULL;
 }
 
-static void publish_notice(const struct shutdown_notice *notice, struct imc_outbox *out)
+void imc_actuation_tell(const struct shutdown_notice *notice, struct imc_outbox *out)
 {
 	const struct imc_message message = {
 		.id = IMC_POWER_OPERATION,
@@ -142,37 +142,40 @@ static bool is_for(const struct handler *handler, uint8_t entity)
 	return entity == IMC_ENTITY_ALL || entity == IMC_ENTITY_SYSTEM || entity == handler->entity;
 }
 
-void imc_actuation_init(struct imc_actuation *self, int64_t now_us,
-                        const struct actuators_config *config, bool gimbal,
-                        struct illuminator *illuminator, struct arbiter *arbiter)
+void imc_actuation_init(struct imc_actuation *self, struct pharos_device *device)
 {
 	memset(self, 0, sizeof(*self));
-	self->illuminator = illuminator;
-	self->arbiter = arbiter;
-	self->gimbal = gimbal;
+	self->device = device;
 	self->strobe_period_us = STROBE_DEFAULT_PERIOD_US;
 	self->strobe_duty_ppm = STROBE_DEFAULT_DUTY_PPM;
-	actuators_init(&self->actuators, now_us, config);
 	remote_init(&self->remote);
-	imc_actuation_power_lamp(self, now_us);
 }
 
-static void begin(struct imc_actuation *self)
-{
-	memset(&self->effects, 0, sizeof(self->effects));
-	memset(&self->refusal, 0, sizeof(self->refusal));
-}
+const struct device_who imc_who = {.way = SECURITY_WAY_IMC};
 
-/* What has fallen due in the actuators, then what the lamp makes of its power. */
-static void follow(struct imc_actuation *self, int64_t now_us, struct imc_outbox *out)
+enum imc_actuation_outcome imc_actuation_outcome_of(enum device_result result)
 {
-	struct shutdown_notice notice;
-
-	while (actuators_advance(&self->actuators, now_us, &notice)) {
-		publish_notice(&notice, out);
+	switch (result) {
+	case DEVICE_ACCEPTED:
+		return IMC_ACTUATION_DONE;
+	case DEVICE_DENIED:
+		return IMC_ACTUATION_OUT_OF_RANGE;
+	case DEVICE_ABSENT:
+		return IMC_ACTUATION_UNKNOWN;
+	case DEVICE_FAILED:
+	case DEVICE_EXCLUDED:
+	case DEVICE_OUTRANKED:
+	case DEVICE_KEPT:
+		break;
 	}
-	imc_actuation_power_lamp(self, now_us);
-	(void)imc_outbox_act(out, IMC_ACTION_ACTUATE);
+	return IMC_ACTUATION_REFUSED;
+}
+
+enum imc_actuation_outcome imc_actuation_drive(struct imc_actuation *self, int64_t now_us,
+                                               const struct actuators_event *event)
+{
+	return imc_actuation_outcome_of(
+		pharos_device_output(self->device, now_us, &imc_who, event));
 }
 
 void imc_actuation_receive(struct imc_actuation *self, int64_t now_us,
@@ -185,43 +188,25 @@ void imc_actuation_receive(struct imc_actuation *self, int64_t now_us,
 	if (handler == NULL) {
 		return;
 	}
-	begin(self);
+	memset(&self->refusal, 0, sizeof(self->refusal));
 	self->refusal.id = packet->message.id;
 	if (is_for(handler, packet->header.dst_ent)) {
-		outcome = (handler->when_down || actuators_is_up(&self->actuators))
+		outcome = (handler->when_down || actuators_is_up(&self->device->actuators))
 		                  ? handler->take(self, &turn)
 		                  : IMC_ACTUATION_REFUSED;
 	}
 	self->stats.outcomes[outcome]++;
 	self->refusal.outcome = outcome;
-	follow(self, now_us, out);
 }
 
-bool imc_actuation_power(struct imc_actuation *self, int64_t now_us, enum arbiter_source source,
-                         uint32_t channel, uint32_t op)
+void imc_actuation_step(struct imc_actuation *self, int64_t now_us)
 {
-	begin(self);
-	if (imc_actuation_switch_power(self, now_us, source, channel, op, 0) !=
-	    IMC_ACTUATION_DONE) {
-		return false;
-	}
-	imc_actuation_power_lamp(self, now_us);
-	return true;
-}
-
-void imc_actuation_step(struct imc_actuation *self, int64_t now_us, struct imc_outbox *out)
-{
-	begin(self);
 	const struct remote_output released = remote_advance(&self->remote, now_us);
 
 	(void)imc_actuation_perform_remote(self, now_us, &released);
-	follow(self, now_us, out);
 }
 
 int64_t imc_actuation_deadline_us(const struct imc_actuation *self)
 {
-	const int64_t actuators_us = actuators_deadline_us(&self->actuators);
-	const int64_t remote_us = remote_deadline_us(&self->remote);
-
-	return (remote_us < actuators_us) ? remote_us : actuators_us;
+	return remote_deadline_us(&self->remote);
 }

@@ -16,6 +16,22 @@ struct imc_turn {
 	struct imc_outbox *out;
 };
 
+/* Who commands, and the lamp that the names are of. */
+extern const struct device_who imc_who;
+#define IMC_LAMP 0
+
+static inline const struct illuminator *imc_lamp_of(const struct imc_actuation *self)
+{
+	return &self->device->lamps[IMC_LAMP].illuminator;
+}
+
+/* What became of a verb. */
+enum imc_actuation_outcome imc_actuation_outcome_of(enum device_result result);
+
+/* A command to an output. */
+enum imc_actuation_outcome imc_actuation_drive(struct imc_actuation *self, int64_t now_us,
+                                               const struct actuators_event *event);
+
 static inline bool imc_mask_has(uint32_t mask, uint8_t number)
 {
 	return (mask & (1u << number)) != 0;
@@ -66,21 +82,13 @@ enum imc_actuation_outcome imc_actuation_take_gpio_state_get(struct imc_actuatio
 enum imc_actuation_outcome imc_actuation_take_gpio_state_set(struct imc_actuation *self,
                                                              const struct imc_turn *turn);
 
-/* actuation_lamp.c. A command: the arbiter is asked. */
+/* actuation_lamp.c. A command to the lamp. */
 enum imc_actuation_outcome imc_actuation_set_lamp(struct imc_actuation *self, int64_t now_us,
                                                   const struct illuminator_settings *settings);
 enum imc_actuation_outcome imc_actuation_dim_lamp(struct imc_actuation *self, int64_t now_us,
                                                   uint32_t brightness_ppm);
 enum imc_actuation_outcome imc_actuation_pulse_lamp(struct imc_actuation *self, int64_t now_us,
                                                     const struct imc_pwm *pwm);
-
-/* Makes the lamp follow its power: no command, so nobody is asked. */
-void imc_actuation_power_lamp(struct imc_actuation *self, int64_t now_us);
-
-/* actuation_power.c. A command for a power channel; delay_us as in power_command(). */
-enum imc_actuation_outcome imc_actuation_switch_power(struct imc_actuation *self, int64_t now_us,
-                                                      enum arbiter_source source, uint32_t channel,
-                                                      uint32_t op, int64_t delay_us);
 
 /* actuation_panel.c. Carries out what the remote calls for. */
 enum imc_actuation_outcome imc_actuation_perform_remote(struct imc_actuation *self, int64_t now_us,

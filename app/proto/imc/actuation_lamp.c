@@ -4,25 +4,6 @@
  */
 #include "proto/imc/actuation_internal.h"
 
-/* At most once per call: there is one place for what follows from it. */
-static enum imc_actuation_outcome step_lamp(struct imc_actuation *self, int64_t now_us,
-                                            const struct illuminator_event *event)
-{
-	if (arbiter_check(self->arbiter, now_us, ARBITER_SOURCE_IMC) != ARBITER_GRANTED) {
-		return IMC_ACTUATION_REFUSED;
-	}
-	switch (illuminator_step(self->illuminator, now_us, event, &self->effects.command)) {
-	case ILLUMINATOR_ACCEPTED:
-		arbiter_commit(self->arbiter, now_us, ARBITER_SOURCE_IMC);
-		return IMC_ACTUATION_DONE;
-	case ILLUMINATOR_DENIED:
-		return IMC_ACTUATION_OUT_OF_RANGE;
-	case ILLUMINATOR_FAILED:
-		break;
-	}
-	return IMC_ACTUATION_REFUSED;
-}
-
 /* The event that sets everything at once. */
 enum imc_actuation_outcome imc_actuation_set_lamp(struct imc_actuation *self, int64_t now_us,
                                                   const struct illuminator_settings *settings)
@@ -30,14 +11,15 @@ enum imc_actuation_outcome imc_actuation_set_lamp(struct imc_actuation *self, in
 	const struct illuminator_event event = {.kind = ILLUMINATOR_EVENT_RESTORE,
 	                                        .restore = *settings};
 
-	return step_lamp(self, now_us, &event);
+	return imc_actuation_outcome_of(
+		pharos_device_apply(self->device, now_us, &imc_who, IMC_LAMP, &event, 1));
 }
 
 /* Dark is off, and keeps the brightness set before. */
 enum imc_actuation_outcome imc_actuation_dim_lamp(struct imc_actuation *self, int64_t now_us,
                                                   uint32_t brightness_ppm)
 {
-	struct illuminator_settings settings = self->illuminator->settings;
+	struct illuminator_settings settings = imc_lamp_of(self)->settings;
 
 	settings.enable = brightness_ppm > 0;
 	if (settings.enable) {
@@ -53,7 +35,7 @@ enum imc_actuation_outcome imc_actuation_dim_lamp(struct imc_actuation *self, in
 enum imc_actuation_outcome imc_actuation_pulse_lamp(struct imc_actuation *self, int64_t now_us,
                                                     const struct imc_pwm *pwm)
 {
-	struct illuminator_settings settings = self->illuminator->settings;
+	struct illuminator_settings settings = imc_lamp_of(self)->settings;
 
 	if (pwm->period == 0 || pwm->duty_cycle > pwm->period) {
 		return IMC_ACTUATION_OUT_OF_RANGE;
@@ -63,7 +45,7 @@ enum imc_actuation_outcome imc_actuation_pulse_lamp(struct imc_actuation *self, 
 
 	settings.enable = pwm->duty_cycle > 0;
 	settings.mode = ILLUMINATOR_MODE_INTERNAL;
-	if (pwm->period < self->illuminator->config.min_period_us) {
+	if (pwm->period < imc_lamp_of(self)->config.min_period_us) {
 		settings.strobe_period_us = 0;
 		settings.duty_ppm = PPM_ONE;
 		settings.brightness_ppm = settings.enable ? duty_ppm : settings.brightness_ppm;
@@ -72,19 +54,4 @@ enum imc_actuation_outcome imc_actuation_pulse_lamp(struct imc_actuation *self, 
 		settings.duty_ppm = duty_ppm;
 	}
 	return imc_actuation_set_lamp(self, now_us, &settings);
-}
-
-void imc_actuation_power_lamp(struct imc_actuation *self, int64_t now_us)
-{
-	const uint32_t lamp = 1u << POWER_CHANNEL_LAMP;
-	const bool switched = (self->actuators.config.power & lamp) != 0;
-	const struct illuminator_event event = {
-		.kind = ILLUMINATOR_EVENT_POWER,
-		.powered = switched ? (power_outputs(&self->actuators.power) & lamp) != 0
-	                            : actuators_is_up(&self->actuators),
-	};
-
-	if (event.powered == self->illuminator->unpowered) {
-		illuminator_step(self->illuminator, now_us, &event, &self->effects.power);
-	}
 }

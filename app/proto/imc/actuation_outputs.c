@@ -17,12 +17,12 @@
 /* Of the lamp as commanded, but 0 while heat keeps it dark: IMC has no flag that would tell. */
 static uint8_t led_value(const struct imc_actuation *self, const struct imc_map_row *row)
 {
-	const struct illuminator_settings *const lamp = &self->illuminator->settings;
+	const struct illuminator_settings *const lamp = &imc_lamp_of(self)->settings;
 
 	if (row->thing != IMC_THING_LAMP) {
-		return self->actuators.leds[row->number];
+		return self->device->actuators.leds[row->number];
 	}
-	if (!lamp->enable || self->illuminator->thermal.state == THERMAL_STATE_SHUTDOWN) {
+	if (!lamp->enable || imc_lamp_of(self)->thermal.state == THERMAL_STATE_SHUTDOWN) {
 		return 0;
 	}
 	return (uint8_t)((lamp->brightness_ppm * LED_FULL + PPM_ONE / 2) / PPM_ONE);
@@ -58,7 +58,7 @@ enum imc_actuation_outcome imc_actuation_take_set_led_brightness(struct imc_actu
 	const struct imc_led_brightness *const set = &turn->packet->message.led_brightness;
 	const struct imc_map_row *const row =
 		imc_actuation_find_name(self, IMC_MAP_LED, &set->name);
-	enum imc_actuation_outcome outcome = IMC_ACTUATION_DONE;
+	enum imc_actuation_outcome outcome;
 
 	if (row == NULL) {
 		return IMC_ACTUATION_UNKNOWN;
@@ -67,7 +67,12 @@ enum imc_actuation_outcome imc_actuation_take_set_led_brightness(struct imc_actu
 		outcome = imc_actuation_dim_lamp(self, turn->now_us,
 		                                 (set->value * PPM_ONE + LED_FULL / 2) / LED_FULL);
 	} else {
-		(void)actuators_set_led(&self->actuators, row->number, set->value);
+		outcome = imc_actuation_drive(self, turn->now_us,
+		                              &(struct actuators_event){
+						      .kind = ACTUATORS_EVENT_LED,
+						      .number = row->number,
+						      .led = set->value,
+					      });
 	}
 	reply_led(self, turn, row);
 	return outcome;
@@ -78,8 +83,9 @@ enum imc_actuation_outcome imc_actuation_take_set_led_brightness(struct imc_actu
 static void reply_gpio(const struct imc_actuation *self, const struct imc_turn *turn,
                        const struct imc_map_row *row)
 {
-	const uint32_t levels = (row->thing == IMC_THING_GPIO_INPUT) ? self->gpio_inputs
-	                                                             : self->actuators.gpio_outputs;
+	const uint32_t levels = (row->thing == IMC_THING_GPIO_INPUT)
+	                                ? self->gpio_inputs
+	                                : self->device->actuators.gpio_outputs;
 	const struct imc_message message = {
 		.id = IMC_GPIO_STATE,
 		.gpio_state = {.name = imc_text_of(row->name),
@@ -115,11 +121,18 @@ enum imc_actuation_outcome imc_actuation_take_gpio_state_set(struct imc_actuatio
 	if (set->value > 1) {
 		return IMC_ACTUATION_OUT_OF_RANGE;
 	}
-	const bool done = row->thing == IMC_THING_GPIO_OUTPUT &&
-	                  actuators_set_gpio(&self->actuators, row->number, set->value != 0);
+	const struct actuators_event event = {
+		.kind = ACTUATORS_EVENT_GPIO,
+		.number = row->number,
+		.level = set->value != 0,
+	};
+	const enum imc_actuation_outcome outcome =
+		row->thing == IMC_THING_GPIO_OUTPUT
+			? imc_actuation_drive(self, turn->now_us, &event)
+			: IMC_ACTUATION_REFUSED;
 
 	reply_gpio(self, turn, row);
-	return done ? IMC_ACTUATION_DONE : IMC_ACTUATION_REFUSED;
+	return outcome;
 }
 
 /* --- PWM, servos, motors ---------------------------------------------------------------------- */
@@ -130,16 +143,21 @@ enum imc_actuation_outcome imc_actuation_take_set_pwm(struct imc_actuation *self
 	struct imc_message message = turn->packet->message;
 	const struct imc_map_row *const row =
 		imc_actuation_find_id(self, IMC_MAP_PWM, message.pwm.id);
-	enum imc_actuation_outcome outcome = IMC_ACTUATION_DONE;
+	enum imc_actuation_outcome outcome;
 
 	if (row == NULL) {
 		return IMC_ACTUATION_UNKNOWN;
 	}
 	if (row->thing == IMC_THING_LAMP) {
 		outcome = imc_actuation_pulse_lamp(self, turn->now_us, &message.pwm);
-	} else if (!actuators_set_pwm(&self->actuators, row->number, message.pwm.period,
-	                              message.pwm.duty_cycle)) {
-		outcome = IMC_ACTUATION_OUT_OF_RANGE;
+	} else {
+		const struct actuators_event event = {
+			.kind = ACTUATORS_EVENT_PWM,
+			.number = row->number,
+			.pwm = {.period_us = message.pwm.period, .duty_us = message.pwm.duty_cycle},
+		};
+
+		outcome = imc_actuation_drive(self, turn->now_us, &event);
 	}
 	if (outcome == IMC_ACTUATION_DONE) {
 		message.id = IMC_PWM;
@@ -149,7 +167,7 @@ enum imc_actuation_outcome imc_actuation_take_set_pwm(struct imc_actuation *self
 }
 
 /* angle_rad within ±limit_rad, at most half a turn. Comparisons with NaN are false. */
-static enum imc_actuation_outcome turn_servo(struct imc_actuation *self, uint8_t id,
+static enum imc_actuation_outcome turn_servo(struct imc_actuation *self, int64_t now_us, uint8_t id,
                                              float angle_rad, float limit_rad)
 {
 	const struct imc_map_row *const row = imc_actuation_find_id(self, IMC_MAP_SERVO, id);
@@ -164,13 +182,20 @@ static enum imc_actuation_outcome turn_servo(struct imc_actuation *self, uint8_t
 	const int32_t angle_mdeg = (int32_t)(angle_rad * MDEG_PER_RAD + half);
 
 	if (row->thing == IMC_THING_PWM) {
-		return actuators_set_servo(&self->actuators, row->number, angle_mdeg)
-		               ? IMC_ACTUATION_DONE
-		               : IMC_ACTUATION_OUT_OF_RANGE;
+		const struct actuators_event event = {
+			.kind = ACTUATORS_EVENT_SERVO,
+			.number = row->number,
+			.angle_mdeg = angle_mdeg,
+		};
+
+		return imc_actuation_drive(self, now_us, &event);
 	}
-	self->effects.aim[row->thing == IMC_THING_PAN ? IMC_AXIS_PAN : IMC_AXIS_TILT] =
-		(struct imc_aim){.kind = IMC_AIM_ANGLE, .value = angle_mdeg};
-	return IMC_ACTUATION_DONE;
+	struct gimbal_event event = {.kind = GIMBAL_EVENT_AIM};
+
+	event.aim[row->thing == IMC_THING_PAN ? GIMBAL_PAN : GIMBAL_TILT] =
+		(struct gimbal_aim){.kind = GIMBAL_ANGLE, .value = angle_mdeg};
+	return imc_actuation_outcome_of(
+		pharos_device_point(self->device, now_us, &imc_who, &event));
 }
 
 enum imc_actuation_outcome imc_actuation_take_set_servo_position(struct imc_actuation *self,
@@ -178,7 +203,7 @@ enum imc_actuation_outcome imc_actuation_take_set_servo_position(struct imc_actu
 {
 	const struct imc_set_servo_position *const set = &turn->packet->message.set_servo_position;
 
-	return turn_servo(self, set->id, set->value, QUARTER_TURN_RAD);
+	return turn_servo(self, turn->now_us, set->id, set->value, QUARTER_TURN_RAD);
 }
 
 enum imc_actuation_outcome
@@ -188,7 +213,7 @@ imc_actuation_take_set_control_surface_deflection(struct imc_actuation *self,
 	const struct imc_set_control_surface_deflection *const set =
 		&turn->packet->message.set_control_surface_deflection;
 
-	return turn_servo(self, set->id, set->angle, HALF_TURN_RAD);
+	return turn_servo(self, turn->now_us, set->id, set->angle, HALF_TURN_RAD);
 }
 
 enum imc_actuation_outcome imc_actuation_take_set_thruster_actuation(struct imc_actuation *self,
@@ -203,10 +228,12 @@ enum imc_actuation_outcome imc_actuation_take_set_thruster_actuation(struct imc_
 	if (!(set->value >= -1.0f && set->value <= 1.0f)) {
 		return IMC_ACTUATION_OUT_OF_RANGE;
 	}
-	return thruster_set(&self->actuators.thruster, turn->now_us,
-	                    (int32_t)(set->value * (float)PPM_ONE))
-	               ? IMC_ACTUATION_DONE
-	               : IMC_ACTUATION_REFUSED;
+	const struct actuators_event event = {
+		.kind = ACTUATORS_EVENT_THRUSTER,
+		.share_ppm = (int32_t)(set->value * (float)PPM_ONE),
+	};
+
+	return imc_actuation_drive(self, turn->now_us, &event);
 }
 
 /* In and out run until stopped or at the end; with a zoom level they go there. */
@@ -220,12 +247,11 @@ enum imc_actuation_outcome imc_actuation_take_camera_zoom(struct imc_actuation *
 	if (imc_actuation_find_id(self, IMC_MAP_ZOOM, set->id) == NULL) {
 		return IMC_ACTUATION_UNKNOWN;
 	}
+	struct actuators_event event = {.kind = ACTUATORS_EVENT_FOCUS, .op = set->action};
+
 	if (level) {
-		focus_move(&self->actuators.focus, turn->now_us,
-		           (set->zoom * PPM_ONE + ZOOM_FULL / 2) / ZOOM_FULL);
-		return IMC_ACTUATION_DONE;
+		event.kind = ACTUATORS_EVENT_ZOOM;
+		event.share_ppm = (int32_t)((set->zoom * PPM_ONE + ZOOM_FULL / 2) / ZOOM_FULL);
 	}
-	return focus_command(&self->actuators.focus, turn->now_us, set->action)
-	               ? IMC_ACTUATION_DONE
-	               : IMC_ACTUATION_OUT_OF_RANGE;
+	return imc_actuation_drive(self, turn->now_us, &event);
 }

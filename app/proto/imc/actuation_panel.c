@@ -10,12 +10,14 @@ enum imc_actuation_outcome imc_actuation_take_lcd_control(struct imc_actuation *
 {
 	const struct imc_lcd_control *const set = &turn->packet->message.lcd_control;
 
-	if (!self->actuators.config.display) {
-		return IMC_ACTUATION_UNKNOWN;
-	}
-	return display_command(&self->actuators.display, set->op, set->text.bytes, set->text.length)
-	               ? IMC_ACTUATION_DONE
-	               : IMC_ACTUATION_OUT_OF_RANGE;
+	const struct actuators_event event = {
+		.kind = ACTUATORS_EVENT_DISPLAY,
+		.display = {set->op, set->text.bytes, set->text.length},
+	};
+
+	return self->device->actuators.config.display
+	               ? imc_actuation_drive(self, turn->now_us, &event)
+	               : IMC_ACTUATION_UNKNOWN;
 }
 
 enum imc_actuation_outcome imc_actuation_take_remote_actions_request(struct imc_actuation *self,
@@ -39,7 +41,8 @@ enum imc_actuation_outcome imc_actuation_take_remote_actions_request(struct imc_
 		.id = IMC_REMOTE_ACTIONS_REQUEST,
 		.remote_actions_request = {.op = IMC_REMOTE_ACTIONS_REPORT,
 	                                   .actions = imc_text_of(imc_remote_actions_report(
-						   self->gimbal, self->decimal))},
+						   pharos_device_has_gimbal(self->device),
+						   self->decimal))},
 	};
 
 	imc_turn_reply(turn, IMC_ENTITY_PANEL, &message);
@@ -49,7 +52,7 @@ enum imc_actuation_outcome imc_actuation_take_remote_actions_request(struct imc_
 /* On with what it was before, within what parameters allow now; off and that is remembered. */
 static void toggle_strobe(struct imc_actuation *self, struct illuminator_settings *settings)
 {
-	const struct illuminator_config *const config = &self->illuminator->config;
+	const struct illuminator_config *const config = &imc_lamp_of(self)->config;
 
 	if (settings->strobe_period_us != 0 && settings->duty_ppm != 0 &&
 	    settings->duty_ppm != PPM_ONE) {
@@ -68,16 +71,39 @@ static void toggle_strobe(struct imc_actuation *self, struct illuminator_setting
 	}
 }
 
+static struct gimbal_aim rate_of(const struct imc_actuation *self, enum gimbal_axis_id axis,
+                                 int32_t share_ppm)
+{
+	return (struct gimbal_aim){
+		.kind = GIMBAL_RATE,
+		.value = pharos_device_share_rate(self->device, axis, share_ppm),
+	};
+}
+
+static enum imc_actuation_outcome move(struct imc_actuation *self, int64_t now_us,
+                                       const struct remote_output *output)
+{
+	const struct gimbal_event event = {
+		.kind = GIMBAL_EVENT_AIM,
+		.aim =
+			{
+				[GIMBAL_PAN] = rate_of(self, GIMBAL_PAN, output->pan_ppm),
+				[GIMBAL_TILT] = rate_of(self, GIMBAL_TILT, output->tilt_ppm),
+			},
+	};
+
+	return imc_actuation_outcome_of(
+		pharos_device_point(self->device, now_us, &imc_who, &event));
+}
+
 enum imc_actuation_outcome imc_actuation_perform_remote(struct imc_actuation *self, int64_t now_us,
                                                         const struct remote_output *output)
 {
-	struct illuminator_settings settings = self->illuminator->settings;
+	struct illuminator_settings settings = imc_lamp_of(self)->settings;
+	enum imc_actuation_outcome outcome = IMC_ACTUATION_DONE;
 
-	if (output->move && self->gimbal) {
-		self->effects.aim[IMC_AXIS_PAN] =
-			(struct imc_aim){.kind = IMC_AIM_RATE, .value = output->pan_ppm};
-		self->effects.aim[IMC_AXIS_TILT] =
-			(struct imc_aim){.kind = IMC_AIM_RATE, .value = output->tilt_ppm};
+	if (output->move && pharos_device_has_gimbal(self->device)) {
+		outcome = move(self, now_us, output);
 	}
 	if (output->toggle_strobe) {
 		toggle_strobe(self, &settings);
@@ -88,9 +114,13 @@ enum imc_actuation_outcome imc_actuation_perform_remote(struct imc_actuation *se
 	if (output->toggle_light) {
 		settings.enable = !settings.enable;
 	}
-	return (output->toggle_strobe || output->set_brightness || output->toggle_light)
-	               ? imc_actuation_set_lamp(self, now_us, &settings)
-	               : IMC_ACTUATION_DONE;
+	if (output->toggle_strobe || output->set_brightness || output->toggle_light) {
+		const enum imc_actuation_outcome lamp =
+			imc_actuation_set_lamp(self, now_us, &settings);
+
+		outcome = lamp != IMC_ACTUATION_DONE ? lamp : outcome;
+	}
+	return outcome;
 }
 
 enum imc_actuation_outcome imc_actuation_take_remote_actions(struct imc_actuation *self,

@@ -8,24 +8,6 @@
 #define GRACE_MAX_S 3600.0f
 _Static_assert(SHUTDOWN_GRACE_MAX_US == 3600 * (int64_t)US_PER_S, "as the core has it");
 
-enum imc_actuation_outcome imc_actuation_switch_power(struct imc_actuation *self, int64_t now_us,
-                                                      enum arbiter_source source, uint32_t channel,
-                                                      uint32_t op, int64_t delay_us)
-{
-	const bool lamp = channel == POWER_CHANNEL_LAMP;
-
-	if (lamp && arbiter_check(self->arbiter, now_us, source) != ARBITER_GRANTED) {
-		return IMC_ACTUATION_REFUSED;
-	}
-	if (!power_command(&self->actuators.power, now_us, channel, op, delay_us)) {
-		return IMC_ACTUATION_OUT_OF_RANGE;
-	}
-	if (lamp) {
-		arbiter_commit(self->arbiter, now_us, source);
-	}
-	return IMC_ACTUATION_DONE;
-}
-
 enum imc_actuation_outcome imc_actuation_take_power_channel_control(struct imc_actuation *self,
                                                                     const struct imc_turn *turn)
 {
@@ -35,22 +17,22 @@ enum imc_actuation_outcome imc_actuation_take_power_channel_control(struct imc_a
 		imc_actuation_find_name(self, IMC_MAP_POWER, &set->name);
 	const bool timed =
 		set->op == IMC_CHANNEL_SCHEDULE_ON || set->op == IMC_CHANNEL_SCHEDULE_OFF;
-	int64_t delay_us = 0;
+	struct actuators_event event = {.kind = ACTUATORS_EVENT_POWER, .timed = {.op = set->op}};
 
 	if (row == NULL) {
 		return IMC_ACTUATION_UNKNOWN;
 	}
-	if (timed && !imc_seconds_to_us(set->sched_time, &delay_us)) {
+	if (timed && !imc_seconds_to_us(set->sched_time, &event.timed.us)) {
 		return IMC_ACTUATION_OUT_OF_RANGE;
 	}
-	return imc_actuation_switch_power(self, turn->now_us, ARBITER_SOURCE_IMC, row->number,
-	                                  set->op, delay_us);
+	event.number = row->number;
+	return imc_actuation_drive(self, turn->now_us, &event);
 }
 
 enum imc_actuation_outcome imc_actuation_take_query_power_channel_state(struct imc_actuation *self,
                                                                         const struct imc_turn *turn)
 {
-	const uint32_t on = power_outputs(&self->actuators.power);
+	const uint32_t on = power_outputs(&self->device->actuators.power);
 
 	for (uint32_t i = 0; i < imc_map_count; i++) {
 		const struct imc_map_row *const row = &imc_map[i];
@@ -87,21 +69,14 @@ enum imc_actuation_outcome imc_actuation_take_power_operation(struct imc_actuati
 {
 	const struct imc_power_operation *const set = &turn->packet->message.power_operation;
 	const bool timed = set->op == IMC_POWER_SCHEDULE_DOWN || set->op == IMC_POWER_SCHEDULE_UP;
-	int64_t time_us = 0;
+	struct actuators_event event = {.kind = ACTUATORS_EVENT_SHUTDOWN, .timed = {.op = set->op}};
 
-	if ((timed && !imc_seconds_to_us(set->sched_time, &time_us)) ||
-	    (set->op == IMC_POWER_DOWN && !grace_us(set->time_remain, &time_us))) {
+	if ((timed && !imc_seconds_to_us(set->sched_time, &event.timed.us)) ||
+	    (set->op == IMC_POWER_DOWN && !grace_us(set->time_remain, &event.timed.us))) {
 		return IMC_ACTUATION_OUT_OF_RANGE;
 	}
 	if (set->op == IMC_POWER_DOWN_IN_PROGRESS || set->op == IMC_POWER_UP_IN_PROGRESS) {
 		return IMC_ACTUATION_DONE; /* somebody else's */
 	}
-	if (arbiter_check(self->arbiter, turn->now_us, ARBITER_SOURCE_IMC) != ARBITER_GRANTED) {
-		return IMC_ACTUATION_REFUSED;
-	}
-	if (!shutdown_command(&self->actuators.shutdown, turn->now_us, set->op, time_us)) {
-		return IMC_ACTUATION_OUT_OF_RANGE;
-	}
-	arbiter_commit(self->arbiter, turn->now_us, ARBITER_SOURCE_IMC);
-	return IMC_ACTUATION_DONE;
+	return imc_actuation_drive(self, turn->now_us, &event);
 }

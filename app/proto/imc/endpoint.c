@@ -9,11 +9,12 @@
 #define UNIX_PLAUSIBLE_US (1000000000 * (int64_t)US_PER_S)
 
 void imc_endpoint_init(struct imc_endpoint *self, int64_t now_us,
-                       const struct imc_endpoint_config *config, struct params *params)
+                       const struct imc_endpoint_config *config, struct pharos_device *device)
 {
 	memset(self, 0, sizeof(*self));
 	self->id = config->id;
-	imc_node_init(&self->node, now_us, &config->node, params);
+	imc_node_init(&self->node, now_us, &config->node, device);
+	imc_actuation_init(&self->actuation, device);
 }
 
 /* --- who is there ----------------------------------------------------------------------------- */
@@ -121,13 +122,14 @@ static void note_time(struct imc_endpoint *self, int64_t now_us)
 }
 
 /* Somebody who may command is there. Other sensors, such as a second light, never do. */
-static void note_commander(const struct imc_endpoint *self, struct imc_outbox *out)
+static void note_commander(struct imc_endpoint *self, int64_t now_us)
 {
+	static const struct device_who who = {.way = SECURITY_WAY_IMC};
 	const uint16_t src = self->packet.header.src;
 
 	if (self->packet.message.id == IMC_HEARTBEAT &&
 	    (src < IMC_ID_SENSORS_FIRST || src > IMC_ID_SENSORS_LAST)) {
-		(void)imc_outbox_act(out, IMC_ACTION_HEARD);
+		pharos_device_heard(self->node.device, now_us, &who);
 	}
 }
 
@@ -181,7 +183,7 @@ void imc_endpoint_receive(struct imc_endpoint *self, int64_t now_us, const struc
 	note_peer(self, now_us, route);
 	if (self->packet.message.id == IMC_ANNOUNCE || self->packet.message.id == IMC_HEARTBEAT) {
 		note_time(self, now_us);
-		note_commander(self, out);
+		note_commander(self, now_us);
 		return;
 	}
 	if (!is_for_us(self)) {
@@ -189,9 +191,7 @@ void imc_endpoint_receive(struct imc_endpoint *self, int64_t now_us, const struc
 		return;
 	}
 	imc_node_receive(&self->node, now_us, &self->packet, out);
-	if (self->actuation != NULL) {
-		imc_actuation_receive(self->actuation, now_us, &self->packet, out);
-	}
+	imc_actuation_receive(&self->actuation, now_us, &self->packet, out);
 	finish(self, out);
 }
 
@@ -199,8 +199,8 @@ void imc_endpoint_step(struct imc_endpoint *self, int64_t now_us, struct imc_out
 {
 	begin(self, now_us, NULL, out);
 	imc_node_step(&self->node, now_us, out);
-	if (self->actuation != NULL && imc_actuation_deadline_us(self->actuation) <= now_us) {
-		imc_actuation_step(self->actuation, now_us, out);
+	if (imc_actuation_deadline_us(&self->actuation) <= now_us) {
+		imc_actuation_step(&self->actuation, now_us);
 	}
 	finish(self, out);
 }
@@ -213,22 +213,29 @@ void imc_endpoint_button(struct imc_endpoint *self, int64_t now_us, uint8_t butt
 	finish(self, out);
 }
 
-void imc_endpoint_attach(struct imc_endpoint *self, struct imc_actuation *actuation)
-{
-	self->actuation = actuation;
-}
-
 int64_t imc_endpoint_deadline_us(const struct imc_endpoint *self)
 {
 	const int64_t node_us = imc_node_deadline_us(&self->node);
-	const int64_t actuation_us = (self->actuation != NULL)
-	                                     ? imc_actuation_deadline_us(self->actuation)
-	                                     : TIME_NEVER_US;
+	const int64_t actuation_us = imc_actuation_deadline_us(&self->actuation);
 
 	return (actuation_us < node_us) ? actuation_us : node_us;
 }
 
-void imc_endpoint_report(struct imc_endpoint *self, const struct illuminator *illuminator)
+void imc_endpoint_tell(struct imc_endpoint *self, int64_t now_us,
+                       const struct device_effects *effects, struct imc_outbox *out)
 {
-	imc_entities_report(&self->node.entities, illuminator);
+	if ((effects->statuses | effects->reports) != 0) {
+		imc_entities_report(&self->node.entities, &self->node.device->lamps[0].illuminator);
+	}
+	if (!effects->has_shutdown) {
+		return;
+	}
+	if (out->packets_count == 0) {
+		begin(self, now_us, NULL, out);
+	}
+
+	self->stats.sent -= out->packets_count; /* are counted once more */
+	self->stats.unsent -= out->unsent;
+	imc_actuation_tell(&effects->shutdown, out);
+	finish(self, out);
 }

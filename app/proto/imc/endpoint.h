@@ -3,8 +3,8 @@
  * All of IMC for one device: node and services put together; sans-IO.
  *
  * A thread does this: each packet that imc_verify() found good into _receive(), _step() at the
- * deadline and after whatever was reported. The outbox of each call is to be performed before the
- * next call: its actions, then its packets.
+ * deadline and after whatever was told. After each call it performs the device's effects, lets
+ * _tell() know them, and sends the outbox's packets.
  *
  * The device has no calendar: its packets are stamped with the time of whoever announced itself or
  * sent a Heartbeat last, and with the time since boot before that.
@@ -14,7 +14,7 @@
 #ifndef PHAROS_PROTO_IMC_ENDPOINT_H
 #define PHAROS_PROTO_IMC_ENDPOINT_H
 
-#include "core/illuminator.h"
+#include "core/device.h"
 #include "proto/imc/actuation.h"
 #include "proto/imc/node.h"
 #include "proto/imc/outbox.h"
@@ -42,17 +42,14 @@ struct imc_endpoint {
 	uint16_t id;
 	int64_t unix_offset_us; /* Unix time less time since boot; 0: not known */
 	struct imc_node node;
-	struct imc_actuation *actuation; /* NULL: none */
+	struct imc_actuation actuation;
 	struct imc_endpoint_stats stats;
 	struct imc_packet packet; /* the one that is being received */
 };
 
-/* params: kept by reference. */
+/* device: kept by reference. */
 void imc_endpoint_init(struct imc_endpoint *self, int64_t now_us,
-                       const struct imc_endpoint_config *config, struct params *params);
-
-/* From now on with this service, kept by reference. */
-void imc_endpoint_attach(struct imc_endpoint *self, struct imc_actuation *actuation);
+                       const struct imc_endpoint_config *config, struct pharos_device *device);
 
 /* A button of the device has changed: everyone is told. *out is overwritten. */
 void imc_endpoint_button(struct imc_endpoint *self, int64_t now_us, uint8_t button, bool pressed,
@@ -66,7 +63,9 @@ void imc_endpoint_receive(struct imc_endpoint *self, int64_t now_us, const struc
 void imc_endpoint_step(struct imc_endpoint *self, int64_t now_us, struct imc_outbox *out);
 int64_t imc_endpoint_deadline_us(const struct imc_endpoint *self);
 
-/* What the lamp is like now: becomes the states of its entities. */
-void imc_endpoint_report(struct imc_endpoint *self, const struct illuminator *illuminator);
+/* What the device did becomes the states of its entities, and packets for everyone. Adds to *out.
+ */
+void imc_endpoint_tell(struct imc_endpoint *self, int64_t now_us,
+                       const struct device_effects *effects, struct imc_outbox *out);
 
 #endif

@@ -29,7 +29,6 @@
 /* Packets and bytes that one call may send: a list of everything that the light has. */
 #define IMC_OUTBOX_PACKETS 32u
 #define IMC_OUTBOX_BYTES   (IMC_PACKET_MAX + 1024u)
-#define IMC_OUTBOX_ACTIONS 16u
 
 /* Characters of a name that was asked for in vain, in the log. */
 #define IMC_ACTUATION_NAME_MAX 15u

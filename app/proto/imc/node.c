@@ -7,11 +7,11 @@
 #define OWNER_NONE                0xFFFFu
 
 void imc_node_init(struct imc_node *self, int64_t now_us, const struct imc_node_config *config,
-                   struct params *params)
+                   struct pharos_device *device)
 {
 	memset(self, 0, sizeof(*self));
 	self->config = *config;
-	self->params = params;
+	self->device = device;
 	imc_entities_init(&self->entities);
 	self->heartbeat_us = now_us;
 	self->announce_us = config->services != NULL ? now_us : TIME_NEVER_US;
@@ -169,7 +169,7 @@ void imc_node_receive(struct imc_node *self, int64_t now_us, const struct imc_pa
 		imc_node_query_parameters(self, packet, out);
 		break;
 	case IMC_SET_ENTITY_PARAMETERS:
-		imc_node_set_parameters(self, packet, out);
+		imc_node_set_parameters(self, now_us, packet, out);
 		break;
 	default:
 		break; /* everything else is for others, or for nobody here */

@@ -11,7 +11,7 @@
 #ifndef PHAROS_PROTO_IMC_NODE_H
 #define PHAROS_PROTO_IMC_NODE_H
 
-#include "core/params.h"
+#include "core/device.h"
 #include "proto/imc/entities.h"
 #include "proto/imc/outbox.h"
 #include "proto/imc/peers.h"
@@ -38,7 +38,7 @@ struct imc_node_stats {
 
 struct imc_node {
 	struct imc_node_config config;
-	struct params *params;
+	struct pharos_device *device;
 	struct imc_entities entities;
 	struct imc_peers peers;
 	struct imc_node_stats stats;
@@ -47,9 +47,9 @@ struct imc_node {
 	uint8_t list[IMC_LIST_MAX]; /* what a message that is being sent points at */
 };
 
-/* params: kept by reference. */
+/* device: kept by reference. */
 void imc_node_init(struct imc_node *self, int64_t now_us, const struct imc_node_config *config,
-                   struct params *params);
+                   struct pharos_device *device);
 
 /* A packet for us or for everyone. Others than the node's messages are ignored. Adds to *out. */
 void imc_node_receive(struct imc_node *self, int64_t now_us, const struct imc_packet *packet,
@@ -62,7 +62,7 @@ int64_t imc_node_deadline_us(const struct imc_node *self);
 /* param_service.c: QueryEntityParameters and SetEntityParameters. */
 void imc_node_query_parameters(struct imc_node *self, const struct imc_packet *packet,
                                struct imc_outbox *out);
-void imc_node_set_parameters(struct imc_node *self, const struct imc_packet *packet,
+void imc_node_set_parameters(struct imc_node *self, int64_t now_us, const struct imc_packet *packet,
                              struct imc_outbox *out);
 
 #endif

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "proto/imc/outbox.h"
 
-#include "core/assert.h"
-
 void imc_outbox_begin(struct imc_outbox *self, uint16_t src, double timestamp_s,
                       const struct imc_route *origin)
 {
@@ -12,7 +10,6 @@ void imc_outbox_begin(struct imc_outbox *self, uint16_t src, double timestamp_s,
 	self->timestamp_s = timestamp_s;
 	self->origin = origin != NULL ? *origin : nowhere;
 	self->unsent = 0;
-	self->actions_count = 0;
 	self->packets_count = 0;
 	self->used = 0;
 }
@@ -65,14 +62,4 @@ void imc_outbox_publish(struct imc_outbox *self, uint8_t src_ent, const struct i
 	};
 
 	imc_outbox_send(self, IMC_TO_PEERS, NULL, &header, message);
-}
-
-struct imc_action *imc_outbox_act(struct imc_outbox *self, enum imc_action_kind kind)
-{
-	struct imc_action *const action = &self->actions[self->actions_count];
-
-	PHAROS_ASSERT(self->actions_count < IMC_OUTBOX_ACTIONS);
-	action->kind = kind;
-	self->actions_count++;
-	return action;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What IMC wants done: first the device's actions, then the packets in their order, so that what an
- * answer tells is in force before it leaves. Packets are encoded at once: nothing that a message
- * points at has to outlive the call.
+ * What IMC wants sent: packets in their order. What an answer tells is in force before it leaves,
+ * since the device's effects are performed first. Packets are encoded at once: nothing that a
+ * message points at has to outlive the call.
  *
  * The endpoint begins each call's outbox; a service only adds to it.
  *
@@ -11,7 +11,6 @@
 #ifndef PHAROS_PROTO_IMC_OUTBOX_H
 #define PHAROS_PROTO_IMC_OUTBOX_H
 
-#include "proto/imc/action.h"
 #include "proto/imc/codec.h"
 
 #include <stdbool.h>
@@ -43,10 +42,8 @@ struct imc_outbox {
 	double timestamp_s;      /* what packets are stamped with */
 	struct imc_route origin; /* where the packet came from that is being answered */
 	uint32_t unsent;         /* packets that found no room */
-	uint8_t actions_count;
 	uint8_t packets_count;
 	uint16_t used;
-	struct imc_action actions[IMC_OUTBOX_ACTIONS];
 	struct imc_outbox_packet packets[IMC_OUTBOX_PACKETS];
 	uint8_t bytes[IMC_OUTBOX_BYTES];
 };
@@ -66,8 +63,5 @@ void imc_outbox_publish(struct imc_outbox *self, uint8_t src_ent,
 /* With any header (src and timestamp_s are filled in) to a route, or all (route NULL). */
 void imc_outbox_send(struct imc_outbox *self, enum imc_to to, const struct imc_route *route,
                      const struct imc_header *header, const struct imc_message *message);
-
-/* The place of a new action; its kind is set. There is always one: asserted. */
-struct imc_action *imc_outbox_act(struct imc_outbox *self, enum imc_action_kind kind);
 
 #endif

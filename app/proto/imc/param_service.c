@@ -80,7 +80,7 @@ static void add(struct imc_node *self, struct imc_message *message, enum imc_ent
 	char number[NUMBER_MAX];
 	const struct imc_entity_parameter parameter = {
 		.name = imc_text_of(info->name),
-		.value = print(number, self->params->values[index]),
+		.value = print(number, self->device->params.values[index]),
 	};
 
 	if (!imc_parameters_add(list, self->list, IMC_LIST_MAX, &parameter)) {
@@ -129,29 +129,26 @@ static uint32_t find_parameter(enum imc_entity entity, const struct imc_text *na
 	               : (uint32_t)PARAM_COUNT;
 }
 
-static bool set(struct imc_node *self, uint32_t index, const struct imc_text *text,
-                struct param_set *all)
+static bool set(struct imc_node *self, int64_t now_us, uint32_t index, const struct imc_text *text)
 {
-	struct param_set changed;
+	static const struct device_who who = {.way = SECURITY_WAY_IMC};
 	int32_t value;
 
 	if (index == PARAM_COUNT || !parse(text, &value) ||
-	    params_set(self->params, index, value, &changed) != PARAMS_OK) {
+	    pharos_device_set_param(self->device, now_us, &who, index, value) != PARAMS_OK) {
 		self->stats.params_refused++;
 		return false;
 	}
-	param_set_merge(all, &changed);
 	return true;
 }
 
 /* The answer lists what was accepted, and nothing else. */
-void imc_node_set_parameters(struct imc_node *self, const struct imc_packet *packet,
+void imc_node_set_parameters(struct imc_node *self, int64_t now_us, const struct imc_packet *packet,
                              struct imc_outbox *out)
 {
 	struct imc_parameter_list asked = packet->message.entity_parameters.params;
 	const enum imc_entity entity = find_entity(packet, &packet->message.entity_parameters.name);
 	struct imc_entity_parameter parameter;
-	struct param_set changed = {0};
 
 	if (entity == IMC_ENTITY_COUNT) {
 		self->stats.unknown_names++;
@@ -162,13 +159,10 @@ void imc_node_set_parameters(struct imc_node *self, const struct imc_packet *pac
 	while (imc_parameters_next(&asked, &parameter)) {
 		const uint32_t index = find_parameter(entity, &parameter.name);
 
-		if (set(self, index, &parameter.value, &changed)) {
+		if (set(self, now_us, index, &parameter.value)) {
 			add(self, &answer, entity, index, packet, out);
 		}
 	}
 	self->stats.requests++;
 	imc_outbox_reply(out, packet, (uint8_t)entity, &answer);
-	if (!param_set_is_empty(&changed)) {
-		imc_outbox_act(out, IMC_ACTION_PARAMS_CHANGED)->changed = changed;
-	}
 }

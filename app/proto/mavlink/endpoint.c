@@ -202,6 +202,7 @@ void mavlink_endpoint_receive(struct mavlink_endpoint *self, int64_t now_us, uin
 		.link = link,
 		.source_system = frame.system_id,
 		.source_component = frame.component_id,
+		.is_signed = frame.has_signature && mavlink_is_signing(self),
 	};
 
 	for (uint8_t i = 0; i < self->component_count; i++) {
@@ -301,15 +302,15 @@ int64_t mavlink_endpoint_deadline_us(const struct mavlink_endpoint *self)
 	return other_us < due_us ? other_us : due_us;
 }
 
-void mavlink_endpoint_observe(struct mavlink_endpoint *self, int64_t now_us,
-                              const struct illuminator_outbox *actions)
+void mavlink_endpoint_tell(struct mavlink_endpoint *self, int64_t now_us,
+                           const struct device_effects *effects)
 {
 	struct mavlink_context context = {.endpoint = self, .now_us = now_us};
 
 	for (uint8_t i = 0; i < self->component_count; i++) {
 		context.component = &self->components[i];
-		if (context.component->profile->observe != NULL) {
-			context.component->profile->observe(&context, actions);
+		if (context.component->profile->tell != NULL) {
+			context.component->profile->tell(&context, effects);
 		}
 	}
 }

@@ -3,13 +3,14 @@
  * MAVLink endpoint: one system id, up to MAVLINK_COMPONENTS_MAX components, up to
  * MAVLINK_LINKS_MAX links. Sans-IO: frames and time in, an outbox out.
  *
- *   mavlink_illuminator_init(&service, &illuminator, &arbiter, &identity);
+ *   mavlink_illuminator_init(&service, &device, LAMP, &identity);
  *   mavlink_endpoint_init(&endpoint, &config);
  *   mavlink_endpoint_add(&endpoint, now_us, 243, &mavlink_illuminator_profile, &service);
  *   …
- *   mavlink_endpoint_receive(&endpoint, now_us, link, bytes, length, &out);  then perform out
+ *   mavlink_endpoint_receive(&endpoint, now_us, link, bytes, length, &out);
+ *   perform the device's effects, mavlink_endpoint_tell(&endpoint, now_us, &effects), perform out
  *   while (mavlink_endpoint_deadline_us(&endpoint) <= now_us) {
- *           mavlink_endpoint_step(&endpoint, now_us, &out);                  then perform out
+ *           mavlink_endpoint_step(&endpoint, now_us, &out);                  the same
  *   }
  *
  * A component is described by a profile of constant tables: commands it carries out, messages it
@@ -49,6 +50,7 @@
 
 #define MAVLINK_INTERVAL_OFF INT32_C(-1)
 
+struct device_effects;
 struct mavlink_endpoint;
 struct mavlink_component;
 
@@ -61,6 +63,7 @@ struct mavlink_context {
 	uint8_t link;
 	uint8_t source_system;
 	uint8_t source_component;
+	bool is_signed; /* rightly, with our key */
 };
 
 /* A command as it came. From COMMAND_INT: param[4], [5] are x and y as floats, param[6] is z. */
@@ -142,9 +145,8 @@ struct mavlink_profile {
 	 */
 	bool (*step)(const struct mavlink_context *context);
 	int64_t (*deadline_us)(const void *service);
-	/* The core did something on another's behalf; may be NULL. */
-	void (*observe)(const struct mavlink_context *context,
-	                const struct illuminator_outbox *actions);
+	/* The device has done something, on whoever's behalf; may be NULL. */
+	void (*tell)(const struct mavlink_context *context, const struct device_effects *effects);
 };
 
 struct mavlink_stream {
@@ -283,9 +285,9 @@ void mavlink_endpoint_step(struct mavlink_endpoint *self, int64_t now_us,
 /* When step has something to send; TIME_NEVER_US: nothing. */
 int64_t mavlink_endpoint_deadline_us(const struct mavlink_endpoint *self);
 
-/* The core was stepped by someone else (heat, shell, another protocol) and returned actions. */
-void mavlink_endpoint_observe(struct mavlink_endpoint *self, int64_t now_us,
-                              const struct illuminator_outbox *actions);
+/* What the device did, on whoever's behalf, ours included: it becomes news, sent with the steps. */
+void mavlink_endpoint_tell(struct mavlink_endpoint *self, int64_t now_us,
+                           const struct device_effects *effects);
 
 /*
  * Tells people on every link. severity: MAV_SEVERITY 0…7. text: cut after MAVLINK_TEXT_BYTES.

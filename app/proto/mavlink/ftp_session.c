@@ -70,7 +70,7 @@ static void end(struct mavlink_ftp *self, int64_t now_us, struct mavlink_ftp_ses
 {
 	if (mavlink_ftp_is_packed(session->file)) {
 		const struct param_set outdated =
-			mavlink_param_pack_outdated(&self->pack, self->params->params);
+			mavlink_param_pack_outdated(&self->pack, &self->params->device->params);
 
 		mavlink_params_changed(self->params, now_us, (uint8_t)(1u << session->link),
 		                       &outdated);
@@ -209,7 +209,7 @@ static uint8_t free_id(struct mavlink_ftp *self, const struct mavlink_context *c
 /* The packed parameters become those of now, unless someone reads other ones. */
 static bool refresh_pack(struct mavlink_ftp *self)
 {
-	const struct params *const params = self->params->params;
+	const struct params *const params = &self->params->device->params;
 	const struct param_set outdated = mavlink_param_pack_outdated(&self->pack, params);
 
 	if (param_set_is_empty(&outdated)) {

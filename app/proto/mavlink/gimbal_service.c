@@ -48,14 +48,11 @@
 static const struct gimbal_event retract = {.kind = GIMBAL_EVENT_RETRACT};
 static const struct gimbal_event neutral = {.kind = GIMBAL_EVENT_NEUTRAL};
 
-void mavlink_gimbal_init(struct mavlink_gimbal *self, struct gimbal *gimbal,
-                         struct arbiter *arbiter, const struct params *params,
+void mavlink_gimbal_init(struct mavlink_gimbal *self, struct pharos_device *device,
                          const struct mavlink_identity *identity)
 {
 	memset(self, 0, sizeof(*self));
-	self->gimbal = gimbal;
-	self->arbiter = arbiter;
-	self->params = params;
+	self->device = device;
 	self->identity = identity;
 	self->vehicle_us = -1;
 	self->ask_us = TIME_NEVER_US;
@@ -68,20 +65,12 @@ static uint8_t apply(const struct mavlink_context *context, const struct gimbal_
 {
 	struct mavlink_gimbal *const self = context->component->service;
 
-	switch (arbiter_check(self->arbiter, context->now_us, ARBITER_SOURCE_MAVLINK)) {
-	case ARBITER_EXCLUDED:
-		return MAV_RESULT_DENIED;
-	case ARBITER_OUTRANKED:
-		return MAV_RESULT_TEMPORARILY_REJECTED;
-	case ARBITER_GRANTED:
-		break;
-	}
-	if (gimbal_step(self->gimbal, context->now_us, event) != GIMBAL_ACCEPTED) {
-		return MAV_RESULT_DENIED;
-	}
-	arbiter_commit(self->arbiter, context->now_us, ARBITER_SOURCE_MAVLINK);
-	self->is_tracking = false;
-	return MAV_RESULT_ACCEPTED;
+	const struct device_who who = mavlink_who(context);
+	const enum device_result result =
+		pharos_device_point(self->device, context->now_us, &who, event);
+
+	self->is_tracking = self->is_tracking && result != DEVICE_ACCEPTED;
+	return mavlink_result(result);
 }
 
 /* --- mount commands --------------------------------------------------------------------------- */
@@ -211,7 +200,7 @@ static uint8_t mount_control(const struct mavlink_context *context,
                              const struct mavlink_command *command, struct mavlink_reply *reply)
 {
 	const struct mavlink_gimbal *const self = context->component->service;
-	const int32_t sign = self->params->values[PARAM_GMB_MNT_SIGN];
+	const int32_t sign = self->device->params.values[PARAM_GMB_MNT_SIGN];
 	struct gimbal_event event = {.kind = GIMBAL_EVENT_AIM};
 	uint32_t mode;
 
@@ -310,7 +299,7 @@ static bool event_of(const struct mavlink_context *context,
 		return false;
 	}
 
-	const struct gimbal_report now = gimbal_report(self->gimbal, context->now_us);
+	const struct gimbal_report now = gimbal_report(&self->device->gimbal, context->now_us);
 	const struct direction direction = quaternion_direction(q);
 
 	*tilt = (struct gimbal_aim){
@@ -400,7 +389,7 @@ static struct direction told_direction(const struct gimbal_report *now)
 static uint8_t fill_attitude(const struct mavlink_context *context, float argument, void *payload)
 {
 	const struct mavlink_gimbal *const self = context->component->service;
-	const struct gimbal_report now = gimbal_report(self->gimbal, context->now_us);
+	const struct gimbal_report now = gimbal_report(&self->device->gimbal, context->now_us);
 	const bool is_still = now.pan_locked || now.tilt_locked;
 	mavlink_gimbal_device_attitude_status_t *const status = payload;
 	float q[4];
@@ -423,7 +412,7 @@ static uint8_t fill_attitude(const struct mavlink_context *context, float argume
 static uint8_t fill_mount(const struct mavlink_context *context, float argument, void *payload)
 {
 	const struct mavlink_gimbal *const self = context->component->service;
-	const struct gimbal_report now = gimbal_report(self->gimbal, context->now_us);
+	const struct gimbal_report now = gimbal_report(&self->device->gimbal, context->now_us);
 	const int64_t north_mdeg = (int64_t)now.level.yaw_mdeg + now.heading_mdeg;
 	mavlink_mount_orientation_t *const mount = payload;
 
@@ -458,8 +447,9 @@ static uint8_t fill_information(const struct mavlink_context *context, float arg
                                 void *payload)
 {
 	const struct mavlink_gimbal *const self = context->component->service;
-	const struct gimbal_axis_config *const pan = &self->gimbal->config.axes[GIMBAL_PAN];
-	const struct gimbal_axis_config *const tilt = &self->gimbal->config.axes[GIMBAL_TILT];
+	const struct gimbal_axis_config *const pan = &self->device->gimbal.config.axes[GIMBAL_PAN];
+	const struct gimbal_axis_config *const tilt =
+		&self->device->gimbal.config.axes[GIMBAL_TILT];
 	const uint32_t code = self->identity->version_code;
 	mavlink_gimbal_device_information_t *const info = payload;
 
@@ -558,8 +548,9 @@ static const struct mavlink_receiver_row receivers[] = {
 
 static uint8_t system_status(const void *service)
 {
-	return ((const struct mavlink_gimbal *)service)->gimbal->fault ? MAV_STATE_CRITICAL
-	                                                               : MAV_STATE_ACTIVE;
+	const struct mavlink_gimbal *const self = service;
+
+	return self->device->gimbal.fault ? MAV_STATE_CRITICAL : MAV_STATE_ACTIVE;
 }
 
 #define COUNT(table) (sizeof(table) / sizeof((table)[0]))

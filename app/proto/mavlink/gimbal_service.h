@@ -31,9 +31,7 @@
 #ifndef PHAROS_PROTO_MAVLINK_GIMBAL_SERVICE_H
 #define PHAROS_PROTO_MAVLINK_GIMBAL_SERVICE_H
 
-#include "core/arbiter.h"
-#include "core/gimbal.h"
-#include "core/params.h"
+#include "core/device.h"
 #include "proto/mavlink/endpoint.h"
 #include "proto/mavlink/identity.h"
 
@@ -66,9 +64,7 @@ struct mavlink_mount_input {
 };
 
 struct mavlink_gimbal {
-	struct gimbal *gimbal;
-	struct arbiter *arbiter;
-	const struct params *params;
+	struct pharos_device *device;
 	const struct mavlink_identity *identity;
 	struct mavlink_mount_input mount[GIMBAL_AXES];
 	struct mavlink_place vehicle; /* of its last GLOBAL_POSITION_INT */
@@ -88,9 +84,8 @@ struct mavlink_gimbal {
 
 extern const struct mavlink_profile mavlink_gimbal_profile;
 
-/* All outlive the service. */
-void mavlink_gimbal_init(struct mavlink_gimbal *self, struct gimbal *gimbal,
-                         struct arbiter *arbiter, const struct params *params,
+/* Both outlive the service. The device has a gimbal. */
+void mavlink_gimbal_init(struct mavlink_gimbal *self, struct pharos_device *device,
                          const struct mavlink_identity *identity);
 
 #endif

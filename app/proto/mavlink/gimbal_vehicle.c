@@ -102,10 +102,10 @@ static void datum_heard(struct mavlink_gimbal *self, int64_t now_us,
 static void take_attitude(const struct mavlink_context *context, const struct attitude *attitude)
 {
 	struct mavlink_gimbal *const self = context->component->service;
-	const struct gimbal_event event = {.kind = GIMBAL_EVENT_ATTITUDE, .attitude = *attitude};
+	const struct device_who who = mavlink_who(context);
 
 	datum_heard(self, context->now_us, MAVLINK_GIMBAL_ATTITUDE);
-	(void)gimbal_step(self->gimbal, context->now_us, &event);
+	pharos_device_report_attitude(self->device, context->now_us, &who, attitude);
 }
 
 void mavlink_gimbal_autopilot_state(const struct mavlink_context *context,
@@ -220,9 +220,11 @@ void mavlink_gimbal_vehicle_position(const struct mavlink_context *context,
 	mavlink_frame_payload(frame, &wire, sizeof(wire));
 	datum_heard(self, context->now_us, MAVLINK_GIMBAL_POSITION);
 	self->vehicle = (struct mavlink_place){wire.lat, wire.lon, wire.alt};
-	self->is_tracking = self->is_tracking && self->arbiter->commander == ARBITER_SOURCE_MAVLINK;
 	if (self->is_tracking && mavlink_gimbal_aim_at(&self->vehicle, &self->target, &event)) {
-		(void)gimbal_step(self->gimbal, context->now_us, &event);
+		const struct device_who who = mavlink_who(context);
+
+		self->is_tracking = pharos_device_follow(self->device, context->now_us, &who,
+		                                         &event) == DEVICE_ACCEPTED;
 	}
 }
 
@@ -309,7 +311,7 @@ bool mavlink_gimbal_ask(const struct mavlink_context *context)
 	if (now_us < self->ask_us) {
 		return true;
 	}
-	if (self->params->values[PARAM_GMB_ASK_DATA] == 0 ||
+	if (self->device->params.values[PARAM_GMB_ASK_DATA] == 0 ||
 	    self->vehicle_system != context->endpoint->config.system_id ||
 	    now_us - self->vehicle_us >= MAVLINK_GIMBAL_VEHICLE_LOST_US) {
 		self->ask_us = TIME_NEVER_US; /* until its next heartbeat */

@@ -17,16 +17,15 @@
 _Static_assert((int)ILLUMINATOR_MODE_INTERNAL == (int)ILLUMINATOR_MODE_INTERNAL_CONTROL, "wire");
 _Static_assert((int)ILLUMINATOR_MODE_SYNC == (int)ILLUMINATOR_MODE_EXTERNAL_SYNC, "wire");
 
-void mavlink_illuminator_init(struct mavlink_illuminator *self, struct illuminator *illuminator,
-                              struct arbiter *arbiter, const struct mavlink_identity *identity,
-                              struct params *params, struct self_test *self_test)
+void mavlink_illuminator_init(struct mavlink_illuminator *self, struct pharos_device *device,
+                              uint8_t lamp, const struct mavlink_identity *identity)
 {
 	memset(self, 0, sizeof(*self));
-	self->illuminator = illuminator;
-	self->arbiter = arbiter;
+	self->device = device;
+	self->lamp = lamp;
 	self->identity = identity;
-	mavlink_params_init(&self->params, params);
-	mavlink_self_test_init(&self->self_test, self_test);
+	mavlink_params_init(&self->params, device);
+	mavlink_self_test_init(&self->self_test, device, lamp);
 #ifdef CONFIG_PHAROS_FTP
 	mavlink_ftp_init(&self->ftp, identity->files, &self->params);
 #endif
@@ -35,41 +34,20 @@ void mavlink_illuminator_init(struct mavlink_illuminator *self, struct illuminat
 	}
 }
 
+static const struct illuminator *light_of(const struct mavlink_illuminator *self)
+{
+	return &pharos_device_lamp(self->device, self->lamp)->illuminator;
+}
+
 /* --- commands -------------------------------------------------------------------------------- */
 
-/* What the core did becomes news for clients and words for people. */
-static void observe(const struct mavlink_context *context,
-                    const struct illuminator_outbox *actions);
-
-uint8_t mavlink_illuminator_apply(const struct mavlink_context *context,
-                                  const struct illuminator_event *event)
+static uint8_t apply(const struct mavlink_context *context, const struct illuminator_event *event)
 {
 	const struct mavlink_illuminator *const self = context->component->service;
-	const int64_t now_us = context->now_us;
+	const struct device_who who = mavlink_who(context);
 
-	switch (arbiter_check(self->arbiter, now_us, ARBITER_SOURCE_MAVLINK)) {
-	case ARBITER_EXCLUDED:
-		return MAV_RESULT_DENIED;
-	case ARBITER_OUTRANKED:
-		return MAV_RESULT_TEMPORARILY_REJECTED;
-	case ARBITER_GRANTED:
-		break;
-	}
-
-	const enum illuminator_result result =
-		illuminator_step(self->illuminator, now_us, event, &context->out->core);
-
-	observe(context, &context->out->core);
-	switch (result) {
-	case ILLUMINATOR_DENIED:
-		return MAV_RESULT_DENIED;
-	case ILLUMINATOR_FAILED:
-		return MAV_RESULT_FAILED;
-	case ILLUMINATOR_ACCEPTED:
-		break;
-	}
-	arbiter_commit(self->arbiter, now_us, ARBITER_SOURCE_MAVLINK);
-	return MAV_RESULT_ACCEPTED;
+	return mavlink_result(
+		pharos_device_apply(self->device, context->now_us, &who, self->lamp, event, 1));
 }
 
 /* 405: param1 is 0 or 1. param2, soon an illuminator's id, is tolerated. */
@@ -88,7 +66,7 @@ static uint8_t on_off(const struct mavlink_context *context, const struct mavlin
 		.on_off = enable != 0,
 	};
 
-	return mavlink_illuminator_apply(context, &event);
+	return apply(context, &event);
 }
 
 /* Half up. A percentage above 0 may round to 0 as brightness, but never as duty: see duty_of. */
@@ -162,7 +140,7 @@ static uint8_t configure(const struct mavlink_context *context,
 	(void)reply;
 	if (!mavlink_whole(command->param[0], UINT8_MAX, &event.configure.mode) ||
 	    !percent_of(command->param[1], &brightness) ||
-	    !period_of(command->param[2], &self->illuminator->config, &period) ||
+	    !period_of(command->param[2], &light_of(self)->config, &period) ||
 	    !duty_of(command->param[3], &duty)) {
 		return MAV_RESULT_DENIED;
 	}
@@ -170,7 +148,7 @@ static uint8_t configure(const struct mavlink_context *context,
 	event.configure.strobe_period_us = period.core;
 	event.configure.duty_ppm = duty.core;
 
-	const uint8_t result = mavlink_illuminator_apply(context, &event);
+	const uint8_t result = apply(context, &event);
 
 	if (result == MAV_RESULT_ACCEPTED) {
 		self->brightness = brightness;
@@ -200,7 +178,7 @@ static float echoed(const struct mavlink_echo *echo, uint32_t core, float conver
 static uint8_t fill_status(const struct mavlink_context *context, float argument, void *payload)
 {
 	const struct mavlink_illuminator *const self = context->component->service;
-	const struct illuminator *const light = self->illuminator;
+	const struct illuminator *const light = light_of(self);
 	const struct illuminator_settings *const settings = &light->settings;
 	mavlink_illuminator_status_t *const status = payload;
 
@@ -311,10 +289,10 @@ static void append(char *text, size_t *length, const char *more)
 }
 
 /* The same notice again within MAVLINK_NOTICE_GAP_US is not news. */
-static void notice(const struct mavlink_context *context, const struct illuminator_notice *what)
+static void notice(const struct mavlink_context *context, enum illuminator_notice_kind kind)
 {
 	struct mavlink_illuminator *const self = context->component->service;
-	int64_t *const noticed_us = &self->noticed_us[what->kind];
+	int64_t *const noticed_us = &self->noticed_us[kind];
 	char text[MAVLINK_TEXT_BYTES];
 	size_t length = 0;
 
@@ -322,31 +300,31 @@ static void notice(const struct mavlink_context *context, const struct illuminat
 		context->endpoint->texts.dropped++;
 		return;
 	}
-	append(text, &length, illuminator_notice_text(what->kind));
-	if (what->fault != THERMAL_FAULT_NONE) {
+	append(text, &length, illuminator_notice_text(kind));
+	if (kind == ILLUMINATOR_NOTICE_SENSOR_FAILED) {
 		append(text, &length, ": ");
-		append(text, &length, thermal_fault_name(what->fault));
+		append(text, &length, thermal_fault_name(light_of(self)->thermal.fault));
 	}
-	if (mavlink_endpoint_text(context->endpoint, context->now_us, severity_of(what->kind),
-	                          text)) {
+	if (mavlink_endpoint_text(context->endpoint, context->now_us, severity_of(kind), text)) {
 		*noticed_us = context->now_us;
 	}
 }
 
-static void observe(const struct mavlink_context *context, const struct illuminator_outbox *actions)
+/* What the device did becomes news for clients and words for people. */
+static void tell(const struct mavlink_context *context, const struct device_effects *effects)
 {
-	for (uint32_t i = 0; i < actions->count; i++) {
-		switch (actions->actions[i].kind) {
-		case ILLUMINATOR_ACTION_LIGHT:
-			break;
-		case ILLUMINATOR_ACTION_STATUS:
-			mavlink_changed(context);
-			break;
-		case ILLUMINATOR_ACTION_NOTICE:
-			notice(context, &actions->actions[i].notice);
-			break;
+	struct mavlink_illuminator *const self = context->component->service;
+	const uint32_t notices = effects->notices[self->lamp];
+
+	if ((effects->statuses & 1u << self->lamp) != 0) {
+		mavlink_changed(context);
+	}
+	for (uint32_t kind = 0; kind < MAVLINK_NOTICE_KINDS; kind++) {
+		if ((notices & 1u << kind) != 0) {
+			notice(context, (enum illuminator_notice_kind)kind);
 		}
 	}
+	mavlink_params_tell(&self->params, context, &effects->params);
 }
 
 /*
@@ -370,7 +348,9 @@ static void heartbeat(const struct mavlink_context *context, const struct mavlin
 	mavlink_vehicle_heard(&context->endpoint->vehicle, context->now_us, &said);
 	if (!mavlink_is_relay(frame) &&
 	    (wire.type == MAV_TYPE_GCS || wire.autopilot != MAV_AUTOPILOT_INVALID)) {
-		arbiter_heard(self->arbiter, context->now_us, ARBITER_SOURCE_MAVLINK);
+		const struct device_who who = mavlink_who(context);
+
+		pharos_device_heard(self->device, context->now_us, &who);
 	}
 }
 
@@ -439,8 +419,8 @@ static uint8_t system_status(const void *service)
 {
 	const struct mavlink_illuminator *const self = service;
 
-	return thermal_allows_light(&self->illuminator->thermal) ? MAV_STATE_ACTIVE
-	                                                         : MAV_STATE_CRITICAL;
+	return thermal_allows_light(&light_of(self)->thermal) ? MAV_STATE_ACTIVE
+	                                                      : MAV_STATE_CRITICAL;
 }
 
 static bool step(const struct mavlink_context *context)
@@ -495,5 +475,5 @@ const struct mavlink_profile mavlink_illuminator_profile = {
 	.system_status = system_status,
 	.step = step,
 	.deadline_us = deadline_us,
-	.observe = observe,
+	.tell = tell,
 };

@@ -13,8 +13,7 @@
 #ifndef PHAROS_PROTO_MAVLINK_ILLUMINATOR_SERVICE_H
 #define PHAROS_PROTO_MAVLINK_ILLUMINATOR_SERVICE_H
 
-#include "core/arbiter.h"
-#include "core/illuminator.h"
+#include "core/device.h"
 #include "proto/mavlink/endpoint.h"
 #include "proto/mavlink/ftp.h"
 #include "proto/mavlink/identity.h"
@@ -28,8 +27,8 @@ struct mavlink_echo {
 };
 
 struct mavlink_illuminator {
-	struct illuminator *illuminator;
-	struct arbiter *arbiter;
+	struct pharos_device *device;
+	uint8_t lamp; /* the one that this component is */
 	const struct mavlink_identity *identity;
 	struct mavlink_params params;
 	struct mavlink_self_test self_test;
@@ -44,16 +43,8 @@ struct mavlink_illuminator {
 
 extern const struct mavlink_profile mavlink_illuminator_profile;
 
-/* All outlive the service. */
-void mavlink_illuminator_init(struct mavlink_illuminator *self, struct illuminator *illuminator,
-                              struct arbiter *arbiter, const struct mavlink_identity *identity,
-                              struct params *params, struct self_test *self_test);
-
-/*
- * A command for the light: asks the arbiter, carries the event out, tells what follows. Returns a
- * MAV_RESULT. From functions of the profile.
- */
-uint8_t mavlink_illuminator_apply(const struct mavlink_context *context,
-                                  const struct illuminator_event *event);
+/* Both outlive the service. */
+void mavlink_illuminator_init(struct mavlink_illuminator *self, struct pharos_device *device,
+                              uint8_t lamp, const struct mavlink_identity *identity);
 
 #endif

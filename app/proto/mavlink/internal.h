@@ -5,6 +5,7 @@
 #ifndef PHAROS_PROTO_MAVLINK_INTERNAL_H
 #define PHAROS_PROTO_MAVLINK_INTERNAL_H
 
+#include "core/device.h"
 #include "proto/mavlink/endpoint.h"
 #include "proto/mavlink/identity.h"
 
@@ -23,6 +24,14 @@ uint8_t mavlink_get_message_interval(const struct mavlink_context *context,
                                      struct mavlink_reply *reply);
 uint8_t mavlink_request_message(const struct mavlink_context *context,
                                 const struct mavlink_command *command, struct mavlink_reply *reply);
+
+/* --- result.c: the device's door, as MAVLink knows it ----------------------------------------- */
+
+/* Who sent what is being received. */
+struct device_who mavlink_who(const struct mavlink_context *context);
+
+/* MAV_RESULT. */
+uint8_t mavlink_result(enum device_result result);
 
 /* --- preflight.c: commands of an illuminator that maintain it ------------------------------------
  */

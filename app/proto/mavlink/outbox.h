@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What the endpoint wants done: first the core's actions and changed parameters, then the frames in
- * their order, then what is forwarded. So state is in force before its acknowledgement leaves, and
- * others' frames never stand before our own.
+ * What the endpoint wants done: the frames in their order, then what is forwarded. First comes what
+ * the device's effects say: so state is in force before its acknowledgement leaves, and others'
+ * frames never stand before our own.
  */
 #ifndef PHAROS_PROTO_MAVLINK_OUTBOX_H
 #define PHAROS_PROTO_MAVLINK_OUTBOX_H
 
-#include "core/illuminator.h"
-#include "core/params.h"
 #include "proto/mavlink/limits.h"
 #include "proto/mavlink/signing.h"
 
@@ -22,12 +20,10 @@ struct mavlink_outbox_frame {
 };
 
 struct mavlink_outbox {
-	struct illuminator_outbox core;
-	struct param_set params; /* that have changed: to put in force and to store */
-	bool reboot;             /* once the frames are out */
-	bool store_signing;      /* signing is to be stored */
-	uint8_t forward;         /* bit per link that the received frame goes on to, as it is */
-	uint16_t command;        /* that was carried out and acknowledged; 0: none */
+	bool reboot;        /* once the frames are out */
+	bool store_signing; /* signing is to be stored */
+	uint8_t forward;    /* bit per link that the received frame goes on to, as it is */
+	uint16_t command;   /* that was carried out and acknowledged; 0: none */
 	uint16_t count;
 	uint16_t used;
 	struct mavlink_signing_record signing;
@@ -37,8 +33,6 @@ struct mavlink_outbox {
 
 static inline void mavlink_outbox_clear(struct mavlink_outbox *self)
 {
-	self->core.count = 0;
-	self->params = (struct param_set){0};
 	self->reboot = false;
 	self->store_signing = false;
 	self->forward = 0;

@@ -2,6 +2,7 @@
 #include "proto/mavlink/param_service.h"
 
 #include "proto/mavlink/dialect.h"
+#include "proto/mavlink/internal.h"
 
 #include <string.h>
 
@@ -12,9 +13,13 @@ _Static_assert(NAME_BYTES == PARAMS_NAME_MAX, "a name fits its field");
 _Static_assert(sizeof(((mavlink_param_value_t *)0)->param_id) == NAME_BYTES, "common.xml");
 _Static_assert(PARAM_COUNT <= INT16_MAX, "an index fits its field");
 
-void mavlink_params_init(struct mavlink_params *self, struct params *params)
+void mavlink_params_init(struct mavlink_params *self, struct pharos_device *device)
 {
-	*self = (struct mavlink_params){.params = params, .due_us = TIME_NEVER_US};
+	*self = (struct mavlink_params){
+		.device = device,
+		.due_us = TIME_NEVER_US,
+		.answered = PARAM_COUNT,
+	};
 }
 
 static size_t name_length(const char *name)
@@ -35,7 +40,7 @@ static void fill_value(const struct mavlink_params *self, uint32_t index,
 	const char *const name = params_info(index)->name;
 
 	memset(wire, 0, sizeof(*wire));
-	memcpy(&wire->param_value, &self->params->values[index], sizeof(wire->param_value));
+	memcpy(&wire->param_value, &self->device->params.values[index], sizeof(wire->param_value));
 	wire->param_count = PARAM_COUNT;
 	wire->param_index = (uint16_t)index;
 	memcpy(wire->param_id, name, name_length(name));
@@ -178,12 +183,25 @@ static uint8_t error_of(enum params_result result)
 	return MAV_PARAM_ERROR_PERMISSION_DENIED;
 }
 
+/* MAV_PARAM_ERROR. */
+static uint8_t set(struct mavlink_params *self, const struct mavlink_context *context,
+                   uint32_t index, int32_t value)
+{
+	const struct device_who who = mavlink_who(context);
+	const int32_t before = self->device->params.values[index];
+	const enum params_result result =
+		pharos_device_set_param(self->device, context->now_us, &who, index, value);
+
+	self->answered =
+		self->device->params.values[index] != before ? index : (uint32_t)PARAM_COUNT;
+	self->answered_link = context->link;
+	return error_of(result);
+}
+
 void mavlink_params_set(struct mavlink_params *self, const struct mavlink_context *context,
                         const struct mavlink_frame *frame)
 {
-	const uint8_t links = context->endpoint->config.links;
 	mavlink_param_set_t wire;
-	struct param_set changed = {0};
 	int32_t value;
 
 	mavlink_frame_payload(frame, &wire, sizeof(wire));
@@ -198,16 +216,13 @@ void mavlink_params_set(struct mavlink_params *self, const struct mavlink_contex
 		return;
 	}
 	if (error == MAV_PARAM_ERROR_NO_ERROR) {
-		error = error_of(params_set(self->params, index, value, &changed));
+		error = set(self, context, index, value);
 	}
 	if (error != MAV_PARAM_ERROR_NO_ERROR) {
 		self->stats.refused++;
 		refuse(context, wire.param_id, BY_NAME, error);
 	}
 	answer(self, context, index);
-	param_set_merge(&context->out->params, &changed);
-	mavlink_params_changed(self, context->now_us, links & (uint8_t) ~(1u << context->link),
-	                       &changed);
 }
 
 /* --- what goes out by itself ----------------------------------------------------------------- */
@@ -224,6 +239,23 @@ void mavlink_params_changed(struct mavlink_params *self, int64_t now_us, uint8_t
 		}
 	}
 	wake(self, now_us);
+}
+
+void mavlink_params_tell(struct mavlink_params *self, const struct mavlink_context *context,
+                         const struct param_set *changed)
+{
+	const uint8_t links = context->endpoint->config.links;
+	const uint8_t answered = (uint8_t)(1u << self->answered_link);
+	struct param_set news = *changed;
+
+	if (self->answered == PARAM_COUNT) {
+		mavlink_params_changed(self, context->now_us, links, changed);
+		return;
+	}
+	mavlink_params_changed(self, context->now_us, links & (uint8_t)~answered, changed);
+	param_set_remove(&news, self->answered);
+	mavlink_params_changed(self, context->now_us, links & answered, &news);
+	self->answered = PARAM_COUNT;
 }
 
 /* Takes turns from where it stopped, so that repeated requests hold no value back. */

@@ -21,7 +21,7 @@
 #ifndef PHAROS_PROTO_MAVLINK_PARAM_SERVICE_H
 #define PHAROS_PROTO_MAVLINK_PARAM_SERVICE_H
 
-#include "core/params.h"
+#include "core/device.h"
 #include "proto/mavlink/endpoint.h"
 
 struct mavlink_params_stats {
@@ -31,15 +31,17 @@ struct mavlink_params_stats {
 };
 
 struct mavlink_params {
-	struct params *params;
+	struct pharos_device *device;
 	int64_t due_us;
+	uint32_t answered; /* a change that a link's answer has told; PARAM_COUNT: none */
+	uint8_t answered_link;
 	struct param_set waiting[MAVLINK_LINKS_MAX];
 	uint32_t next[MAVLINK_LINKS_MAX]; /* index to look from */
 	struct mavlink_params_stats stats;
 };
 
-/* params outlives the service. */
-void mavlink_params_init(struct mavlink_params *self, struct params *params);
+/* device outlives the service. */
+void mavlink_params_init(struct mavlink_params *self, struct pharos_device *device);
 
 /* Receivers of 20, 21 and 23, addressed to the context's component. */
 void mavlink_params_request_read(struct mavlink_params *self, const struct mavlink_context *context,
@@ -49,9 +51,13 @@ void mavlink_params_request_list(struct mavlink_params *self,
 void mavlink_params_set(struct mavlink_params *self, const struct mavlink_context *context,
                         const struct mavlink_frame *frame);
 
-/* Somebody else has changed these: to be told on the links (bit per link). */
+/* These are to be told on the links (bit per link). */
 void mavlink_params_changed(struct mavlink_params *self, int64_t now_us, uint8_t links,
                             const struct param_set *changed);
+
+/* The device has changed these: to be told on every link but where the answer has done that. */
+void mavlink_params_tell(struct mavlink_params *self, const struct mavlink_context *context,
+                         const struct param_set *changed);
 
 /* As the hooks of a profile. */
 bool mavlink_params_step(struct mavlink_params *self, const struct mavlink_context *context);

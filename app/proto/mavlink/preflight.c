@@ -22,7 +22,7 @@ uint8_t mavlink_preflight_reboot(const struct mavlink_context *context,
 	    (component != 0 && component != context->component->id)) {
 		return command->to_all ? MAVLINK_NO_ANSWER : MAV_RESULT_DENIED;
 	}
-	if (self->illuminator->settings.enable &&
+	if (pharos_device_lamp(self->device, self->lamp)->illuminator.settings.enable &&
 	    command->param[5] != (float)REBOOT_SHUTDOWN_CONDITIONS_FORCE) {
 		return MAV_RESULT_TEMPORARILY_REJECTED;
 	}
@@ -38,7 +38,8 @@ uint8_t mavlink_preflight_storage(const struct mavlink_context *context,
                                   const struct mavlink_command *command,
                                   struct mavlink_reply *reply)
 {
-	struct mavlink_illuminator *const self = context->component->service;
+	const struct mavlink_illuminator *const self = context->component->service;
+	const struct device_who who = mavlink_who(context);
 	uint32_t action;
 
 	(void)reply;
@@ -51,9 +52,7 @@ uint8_t mavlink_preflight_storage(const struct mavlink_context *context,
 		return MAV_RESULT_ACCEPTED;
 	case PARAM_RESET_FACTORY_DEFAULT:
 	case PARAM_RESET_ALL_DEFAULT:
-		context->out->params = params_reset(self->params.params);
-		mavlink_params_changed(&self->params, context->now_us,
-		                       context->endpoint->config.links, &context->out->params);
+		pharos_device_reset_params(self->device, context->now_us, &who);
 		return MAV_RESULT_ACCEPTED;
 	default:
 		return command->to_all ? MAVLINK_NO_ANSWER : MAV_RESULT_DENIED;

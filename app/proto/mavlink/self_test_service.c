@@ -10,9 +10,15 @@
 #define USER_1_SELF_TEST 1
 #define TELL_PERCENT     10
 
-void mavlink_self_test_init(struct mavlink_self_test *self, struct self_test *test)
+void mavlink_self_test_init(struct mavlink_self_test *self, struct pharos_device *device,
+                            uint8_t lamp)
 {
-	*self = (struct mavlink_self_test){.test = test};
+	*self = (struct mavlink_self_test){.device = device, .lamp = lamp};
+}
+
+static const struct self_test *test_of(const struct mavlink_self_test *self)
+{
+	return &pharos_device_lamp(self->device, self->lamp)->self_test;
 }
 
 /* Percent of the wire; 0 and "not given" are all. */
@@ -35,7 +41,8 @@ uint8_t mavlink_self_test_run(const struct mavlink_context *context,
 {
 	struct mavlink_illuminator *const service = context->component->service;
 	struct mavlink_self_test *const self = &service->self_test;
-	const struct illuminator_event first = self_test_first();
+	const struct device_who who = mavlink_who(context);
+	enum self_test_state obstacle;
 	uint32_t what;
 	uint32_t peak_ppm;
 
@@ -47,22 +54,16 @@ uint8_t mavlink_self_test_run(const struct mavlink_context *context,
 		return MAV_RESULT_DENIED;
 	}
 
-	const enum self_test_state obstacle = self_test_obstacle(self->test, service->illuminator);
+	const enum device_result result = pharos_device_test(self->device, context->now_us, &who,
+	                                                     self->lamp, peak_ppm, &obstacle);
 
 	if (obstacle == SELF_TEST_RUNNING) {
 		return MAV_RESULT_TEMPORARILY_REJECTED; /* someone else's */
 	}
-	if (obstacle != SELF_TEST_NONE) {
+	if (result != DEVICE_ACCEPTED) {
 		reply->detail = (int32_t)obstacle;
-		return MAV_RESULT_FAILED;
+		return mavlink_result(result);
 	}
-
-	const uint8_t result = mavlink_illuminator_apply(context, &first);
-
-	if (result != MAV_RESULT_ACCEPTED) {
-		return result;
-	}
-	self_test_begin(self->test, context->now_us, peak_ppm);
 	self->asked = true;
 	self->told_percent = 0;
 	return MAV_RESULT_IN_PROGRESS;
@@ -73,13 +74,11 @@ bool mavlink_self_test_cancel(const struct mavlink_context *context)
 	struct mavlink_illuminator *const service = context->component->service;
 	struct mavlink_self_test *const self = &service->self_test;
 
-	if (self->test->state != SELF_TEST_RUNNING) {
+	const struct device_who who = mavlink_who(context);
+
+	if (!pharos_device_cancel_test(self->device, context->now_us, &who, self->lamp)) {
 		return false;
 	}
-
-	const struct illuminator_event event = self_test_cancel(self->test);
-
-	(void)illuminator_step(service->illuminator, context->now_us, &event, &context->out->core);
 	self->asked = false;
 	return true;
 }
@@ -100,7 +99,7 @@ static void tell_people(const struct mavlink_context *context, enum self_test_st
 
 bool mavlink_self_test_step(struct mavlink_self_test *self, const struct mavlink_context *context)
 {
-	const enum self_test_state state = self->test->state;
+	const enum self_test_state state = test_of(self)->state;
 
 	if (mavlink_self_test_deadline_us(self) > context->now_us) {
 		return true;
@@ -109,7 +108,7 @@ bool mavlink_self_test_step(struct mavlink_self_test *self, const struct mavlink
 		return false;
 	}
 	if (state == SELF_TEST_RUNNING) {
-		self->told_percent = self_test_percent(self->test);
+		self->told_percent = self_test_percent(test_of(self));
 		mavlink_command_progress(context, self->told_percent);
 		return true;
 	}
@@ -124,8 +123,9 @@ bool mavlink_self_test_step(struct mavlink_self_test *self, const struct mavlink
 /* At once, when there is news; the owner of the test wakes for its next. */
 int64_t mavlink_self_test_deadline_us(const struct mavlink_self_test *self)
 {
-	const bool news = self->test->state != SELF_TEST_RUNNING ||
-	                  self_test_percent(self->test) >= self->told_percent + TELL_PERCENT;
+	const struct self_test *const test = test_of(self);
+	const bool news = test->state != SELF_TEST_RUNNING ||
+	                  self_test_percent(test) >= self->told_percent + TELL_PERCENT;
 
 	return self->asked && news ? 0 : TIME_NEVER_US;
 }

@@ -6,22 +6,24 @@
  * stations send it to everybody. IN_PROGRESS comes with every tenth; the final result is ACCEPTED,
  * FAILED or CANCELLED, with enum self_test_state in result_param2, and a STATUSTEXT says the same.
  *
- * Context: the endpoint's. The owner steps the self_test itself.
+ * Context: the endpoint's. The device steps the self-test itself.
  */
 #ifndef PHAROS_PROTO_MAVLINK_SELF_TEST_SERVICE_H
 #define PHAROS_PROTO_MAVLINK_SELF_TEST_SERVICE_H
 
-#include "core/self_test.h"
+#include "core/device.h"
 #include "proto/mavlink/endpoint.h"
 
 struct mavlink_self_test {
-	struct self_test *test;
+	struct pharos_device *device;
+	uint8_t lamp;
 	bool asked; /* over MAVLink, and not yet answered for good */
 	uint8_t told_percent;
 };
 
-/* test outlives it. */
-void mavlink_self_test_init(struct mavlink_self_test *self, struct self_test *test);
+/* device outlives it. */
+void mavlink_self_test_init(struct mavlink_self_test *self, struct pharos_device *device,
+                            uint8_t lamp);
 
 /* A row of an illuminator's commands: run and cancel, and its part of step and deadline_us. */
 uint8_t mavlink_self_test_run(const struct mavlink_context *context,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The DroneCAN endpoint over a real illuminator, as a shared library for test_peer.py: frames in,
+ * The DroneCAN endpoint over a real device, as a shared library for test_peer.py: frames in,
  * frames out, time by hand. Bytes from the tunnel come back with each bit inverted.
  */
 #include "core/assert.h"
@@ -26,9 +26,9 @@ static struct dronecan_endpoint_config config = {
                    .pan_actuator_id = 10,
                    .tilt_actuator_id = 11},
 };
-static struct params params;
-static struct illuminator illuminator;
+static struct pharos_device device;
 static int32_t actions[8]; /* how often each node action was asked for */
+static int32_t params_changed;
 
 _Noreturn void pharos_assert_failed(const char *file, int line)
 {
@@ -39,33 +39,26 @@ _Noreturn void pharos_assert_failed(const char *file, int line)
 
 void device_start(uint8_t node_id, bool fd, uint32_t seed)
 {
-	struct illuminator_config lamp;
-
 	config.node_id = node_id;
 	config.fd = fd;
 	config.seed = seed;
 	memset(actions, 0, sizeof(actions));
-	params_init(&params);
-	params_illuminator(&params, &lamp);
-	illuminator_init(&illuminator, &lamp);
-	dronecan_endpoint_init(&endpoint, 0, &config, &params);
+	params_changed = 0;
+	params_init(&device.params);
+	pharos_device_init(&device, 0, &(struct device_config){.gimbal = false});
+	dronecan_endpoint_init(&endpoint, 0, &config, &device);
 }
 
 static void perform(int64_t now_us, const struct dronecan_outbox *out)
 {
 	uint8_t bytes[DRONECAN_TUNNEL_CHUNK];
+	struct device_effects effects;
 
+	if (pharos_device_take(&device, &effects) && !param_set_is_empty(&effects.params)) {
+		params_changed++;
+	}
 	for (uint8_t i = 0; i < out->node.count; i++) {
 		actions[out->node.actions[i].kind]++;
-	}
-	for (uint8_t i = 0; i < out->lights.count; i++) {
-		const struct dronecan_lights_action *action = &out->lights.actions[i];
-		struct illuminator_outbox effects;
-
-		for (uint8_t e = 0;
-		     action->kind == DRONECAN_LIGHTS_EVENTS && e < action->events_count; e++) {
-			illuminator_step(&illuminator, now_us, &action->events[e], &effects);
-		}
 	}
 	if (out->tunnel_received && out->tunnel.size > 0) {
 		for (size_t i = 0; i < out->tunnel.size; i++) {
@@ -90,7 +83,7 @@ void device_step(int64_t now_us)
 {
 	struct dronecan_outbox out;
 
-	dronecan_endpoint_report(&endpoint, now_us, &illuminator);
+	dronecan_endpoint_report(&endpoint, now_us);
 	dronecan_endpoint_step(&endpoint, now_us, &out);
 	perform(now_us, &out);
 }
@@ -108,17 +101,24 @@ int32_t device_action_count(uint32_t kind)
 	return actions[kind];
 }
 
+int32_t device_params_changed(void)
+{
+	return params_changed;
+}
+
 int32_t device_param(const char *name)
 {
 	int32_t value = 0;
 
-	params_get_by_name(&params, name, strlen(name), &value);
+	params_get_by_name(&device.params, name, strlen(name), &value);
 	return value;
 }
 
 int32_t device_brightness_ppm(void)
 {
-	return illuminator.settings.enable ? (int32_t)illuminator.settings.brightness_ppm : 0;
+	const struct illuminator_settings *const lamp = &device.lamps[0].illuminator.settings;
+
+	return lamp->enable ? (int32_t)lamp->brightness_ppm : 0;
 }
 
 uint64_t device_rx_errors(void)

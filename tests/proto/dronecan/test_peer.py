@@ -25,7 +25,7 @@ APP = TOP / "app"
 NODE, PEER = 68, 10
 MS = 1000
 SECOND = 1_000_000
-RESTART, SAVE, ERASE, PARAMS_CHANGED, ID_ALLOCATED = range(5)
+RESTART, SAVE, ERASE, ID_ALLOCATED = range(4)
 
 
 class Frame(ctypes.Structure):
@@ -171,7 +171,7 @@ def test_every_parameter_is_read_and_one_is_set(bus: Bus) -> None:
     request.value.integer_value = 4321
     assert bus.ask(request).value.integer_value == 4321
     assert bus.device.device_param(b"LGT_LOSS_MS") == 4321
-    assert bus.device.device_action_count(PARAMS_CHANGED) == 1
+    assert bus.device.device_params_changed() == 1
 
 
 def test_save_and_restart(bus: Bus) -> None:

@@ -117,12 +117,11 @@ DEVICE_DEFINE(fake_can, "fake_can", fake_init, NULL, NULL, NULL, POST_KERNEL, 50
 
 const struct devices devices = {.can_link = DEVICE_GET(fake_can)};
 
-int command_post_can(struct dronecan_frame *frame)
+void inbox_post_can(const struct dronecan_frame *frame, enum supervisor_watch watch)
 {
-	return 0;
 }
 
-void command_wake(void)
+void inbox_wake(void)
 {
 }
 

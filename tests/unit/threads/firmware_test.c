@@ -2,9 +2,10 @@
 /*
  * The update's way into flash, with power failing after each block that is written and each page
  * that is erased. The two other threads are played here: storage by run_storage(), the command
- * thread by calling what command_call() is given.
+ * thread by calling what inbox_call() is given.
  */
 #include "threads/firmware.h"
+#include "threads/inbox.h"
 
 #include "host/flash_store.h"
 #include "models/bootloader.h"
@@ -44,7 +45,7 @@ static void run_storage(void)
 	submitted->handler(submitted);
 }
 
-int command_call(int (*function)(struct command *, void *), void *argument)
+int inbox_call(int (*function)(struct pharos_device *, void *), void *argument)
 {
 	return function(NULL, argument);
 }
@@ -59,7 +60,7 @@ uint32_t devices_update_slot_size(void)
 	return FIXED_PARTITION_SIZE(slot1_partition);
 }
 
-static void done(struct command *command, const char *why)
+static void done(const char *why)
 {
 	is_done = true;
 	failure = why;

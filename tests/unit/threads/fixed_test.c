@@ -2,7 +2,7 @@
 /* Decimal numbers as people write them, against the same written by hand as integers. */
 #include <zephyr/ztest.h>
 
-#include "threads/fixed.h"
+#include "threads/shell/fixed.h"
 
 #define UNTOUCHED INT64_C(-77)
 

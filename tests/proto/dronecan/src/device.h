@@ -37,7 +37,8 @@ static const struct dronecan_endpoint_config device_config = {
 };
 
 static struct dronecan_endpoint device;
-static struct params device_params;
+static struct pharos_device core; /* what it is an endpoint of */
+static struct device_effects effects;
 static struct dronecan_outbox device_out;
 static struct dronecan_transport tool;
 static struct bus device_bus;
@@ -64,8 +65,11 @@ static inline void device_start(uint8_t node_id, bool fd)
 	config = device_config;
 	config.node_id = node_id;
 	config.fd = fd;
-	params_init(&device_params);
-	dronecan_endpoint_init(&device, 0, &config, &device_params);
+	params_init(&core.params);
+	core.params.values[PARAM_GMB_ENABLE] = 1;
+	pharos_device_init(&core, 0, &(struct device_config){.gimbal = true});
+	params_init(&core.params);
+	dronecan_endpoint_init(&device, 0, &config, &core);
 	dronecan_transport_init(&tool, tool_subscriptions, ARRAY_SIZE(tool_subscriptions), TOOL, fd,
 	                        1);
 }
@@ -86,6 +90,13 @@ static inline void device_step(int64_t now_us)
 {
 	dronecan_endpoint_step(&device, now_us, &device_out);
 	device_frames(now_us);
+}
+
+/* What the core has been asked for since the last call. */
+static inline void device_effects(void)
+{
+	memset(&effects, 0, sizeof(effects));
+	(void)pharos_device_take(&core, &effects);
 }
 
 /* The tool sends; the outbox is that of the last frame. */

@@ -191,16 +191,12 @@ ZTEST(dronecan_firmware, test_an_error_of_the_server_ends_it)
 
 ZTEST(dronecan_firmware, test_node_status_says_software_update_meanwhile)
 {
-	static struct illuminator light;
-	const struct illuminator_config config = {.min_period_us = 10000, .max_period_us = 20000};
-
-	illuminator_init(&light, &config);
-	dronecan_endpoint_report(&device, 0, &light);
+	dronecan_endpoint_report(&device, 0);
 	zassert_equal(device.node.condition.mode, 0); /* MODE_OPERATIONAL */
 	zassert_equal(begin(1, TOOL, "f"), 0);
-	dronecan_endpoint_report(&device, 2, &light);
+	dronecan_endpoint_report(&device, 2);
 	zassert_equal(device.node.condition.mode, 3); /* MODE_SOFTWARE_UPDATE */
 	dronecan_firmware_stop(&device.firmware);
-	dronecan_endpoint_report(&device, 3, &light);
+	dronecan_endpoint_report(&device, 3);
 	zassert_equal(device.node.condition.mode, 0);
 }

@@ -16,15 +16,15 @@ ZTEST_SUITE(dronecan_node, NULL, NULL, before, NULL, NULL);
 
 static void report(int64_t now_us, uint32_t limit_ppm, uint32_t flags, bool enable)
 {
-	struct illuminator illuminator;
+	struct illuminator *const illuminator = &core.lamps[0].illuminator;
 
-	memset(&illuminator, 0, sizeof(illuminator));
-	illuminator.thermal.limit_ppm = limit_ppm;
-	illuminator.thermal.flags = flags;
-	illuminator.thermal.temp_valid = true;
-	illuminator.thermal.temp_mdegc = 26850; /* 300.0 K */
-	illuminator.settings.enable = enable;
-	dronecan_endpoint_report(&device, now_us, &illuminator);
+	memset(illuminator, 0, sizeof(*illuminator));
+	illuminator->thermal.limit_ppm = limit_ppm;
+	illuminator->thermal.flags = flags;
+	illuminator->thermal.temp_valid = true;
+	illuminator->thermal.temp_mdegc = 26850; /* 300.0 K */
+	illuminator->settings.enable = enable;
+	dronecan_endpoint_report(&device, now_us);
 }
 
 static const uint8_t *status_at(int64_t now_us)
@@ -253,7 +253,7 @@ ZTEST(dronecan_node, test_params_are_read_by_index_until_an_empty_one)
 		zassert_equal(response.name_len, strlen(info->name));
 		zassert_mem_equal(response.name, info->name, response.name_len);
 		zassert_equal(response.value.tag, DRONECAN_PARAM_VALUE_INTEGER_VALUE);
-		zassert_equal(response.value.integer_value, device_params.values[i]);
+		zassert_equal(response.value.integer_value, core.params.values[i]);
 		zassert_equal(response.default_value.integer_value, info->fallback);
 		zassert_equal(response.min_value.integer_value, info->min);
 		zassert_equal(response.max_value.integer_value, info->max);
@@ -270,11 +270,10 @@ static void set_by_name(bool fd)
 	request.value.integer_value = 5000;
 	response = get_set(fd, &request);
 	zassert_equal(response.value.integer_value, 5000);
-	zassert_equal(device_params.values[PARAM_LGT_LOSS_MS], 5000);
-	zassert_equal(device_out.node.count, 1);
-	zassert_equal(device_out.node.actions[0].kind, DRONECAN_NODE_PARAMS_CHANGED);
-	zassert_equal(param_set_take(&device_out.node.actions[0].changed), PARAM_LGT_LOSS_MS);
-	zassert_true(param_set_is_empty(&device_out.node.actions[0].changed));
+	zassert_equal(core.params.values[PARAM_LGT_LOSS_MS], 5000);
+	device_effects();
+	zassert_equal(param_set_take(&effects.params), PARAM_LGT_LOSS_MS);
+	zassert_true(param_set_is_empty(&effects.params));
 }
 
 ZTEST(dronecan_node, test_a_param_is_set_by_name)
@@ -291,14 +290,14 @@ ZTEST(dronecan_node, test_a_param_is_set_by_name_over_fd)
 ZTEST(dronecan_node, test_refused_sets_answer_with_the_value_in_force)
 {
 	struct dronecan_param_get_set_request request = named("LGT_CURVE"); /* 0 or 1 */
-	const int32_t value = device_params.values[PARAM_LGT_CURVE];
+	const int32_t value = core.params.values[PARAM_LGT_CURVE];
 	static const int64_t out_of_range[] = {2, -1, INT64_MAX, INT64_MIN, 1ll << 32};
 
 	request.value.tag = DRONECAN_PARAM_VALUE_INTEGER_VALUE;
 	for (size_t i = 0; i < ARRAY_SIZE(out_of_range); i++) {
 		request.value.integer_value = out_of_range[i];
 		zassert_equal(get_set(false, &request).value.integer_value, value);
-		zassert_equal(device_out.node.count, 0);
+		zassert_false(pharos_device_take(&core, &effects));
 	}
 	request.value.tag = DRONECAN_PARAM_VALUE_REAL_VALUE;
 	request.value.real_value = 1.0f;
@@ -338,13 +337,14 @@ ZTEST(dronecan_node, test_execute_opcode_saves_and_erases)
 	zassert_equal(device_out.node.count, 1);
 	zassert_equal(device_out.node.actions[0].kind, DRONECAN_NODE_SAVE);
 
-	device_params.values[PARAM_LGT_LOSS_MS] = fallback + 7;
+	core.params.values[PARAM_LGT_LOSS_MS] = fallback + 7;
 	zassert_true(opcode(DRONECAN_PARAM_EXECUTE_OPCODE_OPCODE_ERASE));
-	zassert_equal(device_out.node.count, 2);
+	zassert_equal(device_out.node.count, 1);
 	zassert_equal(device_out.node.actions[0].kind, DRONECAN_NODE_ERASE);
-	zassert_equal(param_set_take(&device_out.node.actions[1].changed), PARAM_LGT_LOSS_MS);
-	zassert_true(param_set_is_empty(&device_out.node.actions[1].changed));
-	zassert_equal(device_params.values[PARAM_LGT_LOSS_MS], fallback);
+	device_effects();
+	zassert_equal(param_set_take(&effects.params), PARAM_LGT_LOSS_MS);
+	zassert_true(param_set_is_empty(&effects.params));
+	zassert_equal(core.params.values[PARAM_LGT_LOSS_MS], fallback);
 
 	zassert_false(opcode(2));
 	zassert_equal(device_out.node.count, 0);

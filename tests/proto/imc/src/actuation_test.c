@@ -13,14 +13,15 @@
 #define NAN      __builtin_nanf("")
 #define INFINITY __builtin_inff()
 
-#define S INT64_C(1000000)
+#define S    INT64_C(1000000)
+#define MDEG INT64_C(1000000) /* in 10^-9 degrees */
 
-static struct illuminator light;
-static struct arbiter arbiter;
-static struct imc_actuation actuation;
+static struct illuminator *const light = &device.lamps[0].illuminator;
+static struct arbiter *const arbiter = &device.lamps[0].arbiter;
+static struct imc_actuation *const actuation = &endpoint.actuation;
 static struct actuators_outputs outputs;
 
-static const struct actuators_config board = {
+static const struct actuators_config full = {
 	.power = 0x0F,
 	.power_on = 0x07,
 	.pwms = 0x03,
@@ -30,28 +31,29 @@ static const struct actuators_config board = {
 	.thruster = true,
 	.focus = true,
 	.display = true,
-	.grace_us = 3 * S,
-	.focus_travel_us = 4 * S,
-	.thruster_config = {.min_us = 1000, .max_us = 2000, .arm_us = 0, .loss_us = S},
 };
 
 static void start(const struct actuators_config *config, bool gimbal)
 {
-	const struct illuminator_config illuminator = {.min_period_us = 10000,
-	                                               .max_period_us = 10000000,
-	                                               .curve = ILLUMINATOR_CURVE_LINEAR};
-	const struct arbiter_config arbitration = {.priority = ARBITER_SOURCE_NONE};
+	const struct thruster_config thruster = {
+		.min_us = 1000, .max_us = 2000, .arm_us = 0, .loss_us = S};
+	struct gimbal_config axes;
 
+	device_board = (struct device_config){.gimbal = gimbal, .actuators = *config};
 	device_start(NULL);
-	illuminator_init(&light, &illuminator);
-	arbiter_init(&arbiter, &arbitration);
-	imc_actuation_init(&actuation, 0, config, gimbal, &light, &arbiter);
-	imc_endpoint_attach(&endpoint, &actuation);
+	thruster_init(&device.actuators.thruster, 0, &thruster);
+	focus_init(&device.actuators.focus, 4 * S);
+	shutdown_init(&device.actuators.shutdown, 3 * S);
+	device.actuators.config.thruster_config = thruster;
+	params_gimbal(params, &axes);
+	axes.axes[GIMBAL_PAN].rate_mdeg_per_s = 1000000; /* so that ppm of it are mdeg/s */
+	axes.axes[GIMBAL_TILT].rate_mdeg_per_s = 1000000;
+	gimbal_init(&device.gimbal, 0, &axes);
 }
 
 static void before(void *fixture)
 {
-	start(&board, true);
+	start(&full, true);
 }
 
 ZTEST_SUITE(imc_actuation, NULL, NULL, before, NULL, NULL);
@@ -59,8 +61,8 @@ ZTEST_SUITE(imc_actuation, NULL, NULL, before, NULL, NULL);
 static enum imc_actuation_outcome tell(struct imc_message message)
 {
 	send(&message);
-	actuators_outputs(&actuation.actuators, &outputs);
-	return actuation.refusal.outcome;
+	actuators_outputs(&device.actuators, &outputs);
+	return actuation->refusal.outcome;
 }
 
 /* --- LEDs ------------------------------------------------------------------------------------- */
@@ -89,14 +91,14 @@ ZTEST(imc_actuation, test_every_brightness_of_the_lamp_comes_back_as_it_was_set)
 	for (unsigned int value = 1; value <= 255; value++) {
 		zassert_equal(set_led("lamp", (uint8_t)value), IMC_ACTUATION_DONE);
 		expect_led("lamp", (uint8_t)value);
-		zassert_true(light.settings.enable);
+		zassert_true(light->settings.enable);
 	}
-	zassert_equal(light.settings.brightness_ppm, 1000000);
-	zassert_equal(arbiter.commander, ARBITER_SOURCE_IMC);
+	zassert_equal(light->settings.brightness_ppm, 1000000);
+	zassert_equal(arbiter->commander, ARBITER_SOURCE_IMC);
 	set_led("lamp", 0);
 	expect_led("lamp", 0);
-	zassert_false(light.settings.enable);
-	zassert_equal(light.settings.brightness_ppm, 1000000, "off keeps the brightness");
+	zassert_false(light->settings.enable);
+	zassert_equal(light->settings.brightness_ppm, 1000000, "off keeps the brightness");
 }
 
 ZTEST(imc_actuation, test_brightness_set_elsewhere_is_told)
@@ -110,7 +112,7 @@ ZTEST(imc_actuation, test_brightness_set_elsewhere_is_told)
 	};
 	struct illuminator_outbox ignored;
 
-	illuminator_step(&light, 0, &event, &ignored);
+	illuminator_step(light, 0, &event, &ignored);
 	tell((struct imc_message){.id = IMC_QUERY_LED_BRIGHTNESS,
 	                          .query_led_brightness = {.name = text("lamp")}});
 	expect_led("lamp", 102); /* 0.4 * 255 */
@@ -125,9 +127,9 @@ ZTEST(imc_actuation, test_indicator_and_unknown_leds)
 	zassert_equal(count(IMC_LED_BRIGHTNESS), 0);
 	zassert_equal(set_led("Lamp", 1), IMC_ACTUATION_UNKNOWN);
 	zassert_equal(set_led("", 1), IMC_ACTUATION_UNKNOWN);
-	zassert_equal(actuation.stats.outcomes[IMC_ACTUATION_UNKNOWN], 3);
+	zassert_equal(actuation->stats.outcomes[IMC_ACTUATION_UNKNOWN], 3);
 	set_led("a\nlong name \xff that is cut off", 1);
-	zassert_equal(strcmp(actuation.refusal.name, "a?long name ? t"), 0);
+	zassert_equal(strcmp(actuation->refusal.name, "a?long name ? t"), 0);
 }
 
 ZTEST(imc_actuation, test_heat_and_the_arbiter_win_over_a_brightness)
@@ -139,12 +141,12 @@ ZTEST(imc_actuation, test_heat_and_the_arbiter_win_over_a_brightness)
 	};
 	struct illuminator_outbox ignored;
 
-	arbiter_configure(&arbiter, &excluded);
+	arbiter_configure(arbiter, &excluded);
 	zassert_equal(set_led("lamp", 50), IMC_ACTUATION_REFUSED);
 	expect_led("lamp", 0);
-	arbiter_configure(&arbiter, &(struct arbiter_config){.excluded = 0});
+	arbiter_configure(arbiter, &(struct arbiter_config){.excluded = 0});
 	zassert_equal(set_led("lamp", 50), IMC_ACTUATION_DONE);
-	illuminator_step(&light, 0, &hot, &ignored);
+	illuminator_step(light, 0, &hot, &ignored);
 	tell((struct imc_message){.id = IMC_QUERY_LED_BRIGHTNESS,
 	                          .query_led_brightness = {.name = text("lamp")}});
 	expect_led("lamp", 0);
@@ -184,22 +186,22 @@ ZTEST(imc_actuation, test_pwm_that_cannot_be_has_no_answer)
 	zassert_equal(set_pwm(0, 10000001, 1), IMC_ACTUATION_OUT_OF_RANGE, "no such strobe");
 	zassert_equal(set_pwm(9, 100, 1), IMC_ACTUATION_UNKNOWN);
 	zassert_equal(count(IMC_PWM), 0);
-	zassert_false(light.settings.enable);
+	zassert_false(light->settings.enable);
 }
 
 ZTEST(imc_actuation, test_slow_pwm_of_the_lamp_strobes_and_fast_one_dims)
 {
 	set_led("lamp", 51); /* 20 % */
 	zassert_equal(set_pwm(0, 500000, 50000), IMC_ACTUATION_DONE);
-	zassert_equal(light.settings.strobe_period_us, 500000);
-	zassert_equal(light.plan.on_us, 50000);
-	zassert_equal(light.settings.brightness_ppm, 200000);
+	zassert_equal(light->settings.strobe_period_us, 500000);
+	zassert_equal(light->plan.on_us, 50000);
+	zassert_equal(light->settings.brightness_ppm, 200000);
 	zassert_equal(set_pwm(0, 1000, 250), IMC_ACTUATION_DONE);
-	zassert_equal(light.settings.strobe_period_us, 0);
-	zassert_equal(light.settings.brightness_ppm, 250000);
-	zassert_true(light.settings.enable);
+	zassert_equal(light->settings.strobe_period_us, 0);
+	zassert_equal(light->settings.brightness_ppm, 250000);
+	zassert_true(light->settings.enable);
 	zassert_equal(set_pwm(0, 1000, 0), IMC_ACTUATION_DONE);
-	zassert_false(light.settings.enable);
+	zassert_false(light->settings.enable);
 	zassert_equal(count(IMC_PWM), 1);
 }
 
@@ -218,7 +220,7 @@ ZTEST(imc_actuation, test_lines_are_set_and_read_by_name)
 	zassert_equal(set_gpio("out1", 1), IMC_ACTUATION_DONE);
 	zassert_equal(sent(IMC_GPIO_STATE, 0)->message.gpio_state.value, 1);
 	zassert_equal(outputs.gpio_outputs, 0x02);
-	actuation.gpio_inputs = 0x01;
+	actuation->gpio_inputs = 0x01;
 	tell((struct imc_message){.id = IMC_GPIO_STATE_GET,
 	                          .gpio_state_get = {.name = text("in0")}});
 	zassert_true(imc_text_is(&sent(IMC_GPIO_STATE, 0)->message.gpio_state.name, "in0"));
@@ -249,17 +251,17 @@ static enum imc_actuation_outcome set_servo(uint16_t message, uint8_t id, float 
 
 ZTEST(imc_actuation, test_servos_turn_the_gimbal_and_auxiliary_outputs)
 {
-	const struct imc_aim *const aim = actuation.effects.aim;
+	const struct gimbal_axis *const axes = device.gimbal.axes;
 
 	/* pi / 6 is 30 degrees */
 	zassert_equal(set_servo(IMC_SET_SERVO_POSITION, 0, 0.5235988f), IMC_ACTUATION_DONE);
-	zassert_equal(aim[IMC_AXIS_PAN].kind, IMC_AIM_ANGLE);
-	zassert_equal(aim[IMC_AXIS_PAN].value, 30000);
-	zassert_equal(aim[IMC_AXIS_TILT].kind, IMC_AIM_KEEP);
+	zassert_equal(axes[GIMBAL_PAN].kind, GIMBAL_ANGLE);
+	zassert_equal(axes[GIMBAL_PAN].aim_ndeg, 30000 * MDEG);
+	zassert_equal(axes[GIMBAL_TILT].aim_ndeg, 0);
 	zassert_equal(set_servo(IMC_SET_CONTROL_SURFACE_DEFLECTION, 1, -1.5707964f),
 	              IMC_ACTUATION_DONE);
-	zassert_equal(aim[IMC_AXIS_TILT].value, -90000);
-	zassert_equal(aim[IMC_AXIS_PAN].kind, IMC_AIM_KEEP);
+	zassert_equal(axes[GIMBAL_TILT].aim_ndeg, -90000 * MDEG);
+	zassert_equal(axes[GIMBAL_PAN].aim_ndeg, 30000 * MDEG);
 	zassert_equal(set_servo(IMC_SET_SERVO_POSITION, 3, 1.5707964f), IMC_ACTUATION_DONE);
 	zassert_equal(outputs.pwms[1].period_us, 20000);
 	zassert_equal(outputs.pwms[1].duty_us, 2000);
@@ -283,7 +285,7 @@ ZTEST(imc_actuation, test_angles_that_are_none_are_refused)
 	zassert_equal(set_servo(IMC_SET_CONTROL_SURFACE_DEFLECTION, 0, 3.15f),
 	              IMC_ACTUATION_OUT_OF_RANGE);
 	zassert_equal(set_servo(IMC_SET_SERVO_POSITION, 4, 0), IMC_ACTUATION_UNKNOWN);
-	start(&board, false);
+	start(&full, false);
 	zassert_equal(set_servo(IMC_SET_SERVO_POSITION, 0, 0), IMC_ACTUATION_UNKNOWN,
 	              "no gimbal here");
 }
@@ -305,9 +307,9 @@ ZTEST(imc_actuation, test_thruster_goes_back_to_neutral)
 	zassert_equal(set_thruster(1, 0), IMC_ACTUATION_UNKNOWN);
 	zassert_equal(outputs.thruster_pulse_us, 1250);
 	pass(S - 1, 0);
-	zassert_equal(thruster_pulse_us(&actuation.actuators.thruster), 1250);
+	zassert_equal(thruster_pulse_us(&device.actuators.thruster), 1250);
 	pass(S, 0);
-	zassert_equal(thruster_pulse_us(&actuation.actuators.thruster), 1500);
+	zassert_equal(thruster_pulse_us(&device.actuators.thruster), 1500);
 }
 
 static enum imc_actuation_outcome zoom(uint8_t id, uint8_t action, uint8_t level)
@@ -325,10 +327,10 @@ ZTEST(imc_actuation, test_zoom_of_the_beam)
 	pass(1 * S, 0);
 	zassert_equal(zoom(0, IMC_ZOOM_STOP, 200), IMC_ACTUATION_DONE, "a stop has no level");
 	zassert_equal(outputs.focus, FOCUS_MOTOR_STOPPED);
-	zassert_equal(focus_position_ppm(&actuation.actuators.focus, now_us), 250000);
+	zassert_equal(focus_position_ppm(&device.actuators.focus, now_us), 250000);
 	zassert_equal(zoom(0, IMC_ZOOM_IN, 153), IMC_ACTUATION_DONE); /* 60 % */
 	pass(5 * S, 0);
-	zassert_equal(focus_position_ppm(&actuation.actuators.focus, now_us), 600000);
+	zassert_equal(focus_position_ppm(&device.actuators.focus, now_us), 600000);
 	zassert_equal(zoom(0, IMC_ZOOM_RESET, 0), IMC_ACTUATION_DONE);
 	zassert_equal(outputs.focus, FOCUS_MOTOR_OUT);
 	zassert_equal(zoom(0, 4, 0), IMC_ACTUATION_OUT_OF_RANGE);
@@ -366,7 +368,7 @@ ZTEST(imc_actuation, test_channel_commands_and_schedules)
 	zassert_equal(channel("aux", IMC_CHANNEL_TOGGLE, 0), IMC_ACTUATION_DONE);
 	zassert_equal(outputs.power, 0x0F);
 	zassert_equal(channel("camera", IMC_CHANNEL_SCHEDULE_OFF, 1.5), IMC_ACTUATION_DONE);
-	zassert_equal(imc_actuation_deadline_us(&actuation), 1500000);
+	zassert_equal(actuators_deadline_us(&device.actuators), 1500000);
 	zassert_equal(channel("camera", IMC_CHANNEL_RESET_SCHEDULES, NAN), IMC_ACTUATION_DONE);
 	zassert_equal(channel("camera", IMC_CHANNEL_SCHEDULE_ON, NAN), IMC_ACTUATION_OUT_OF_RANGE);
 	zassert_equal(channel("camera", IMC_CHANNEL_SCHEDULE_ON, -1.0), IMC_ACTUATION_OUT_OF_RANGE);
@@ -375,9 +377,9 @@ ZTEST(imc_actuation, test_channel_commands_and_schedules)
 	/* Unix time is no time from now */
 	zassert_equal(channel("camera", IMC_CHANNEL_SCHEDULE_ON, 1795000000.0),
 	              IMC_ACTUATION_OUT_OF_RANGE);
-	zassert_equal(imc_actuation_deadline_us(&actuation), TIME_NEVER_US);
+	zassert_equal(actuators_deadline_us(&device.actuators), TIME_NEVER_US);
 	zassert_equal(channel("camera", IMC_CHANNEL_SCHEDULE_ON, 31536000.0), IMC_ACTUATION_DONE);
-	zassert_equal(imc_actuation_deadline_us(&actuation), 31536000 * S);
+	zassert_equal(actuators_deadline_us(&device.actuators), 31536000 * S);
 	zassert_equal(channel("camera", 8, 0), IMC_ACTUATION_OUT_OF_RANGE);
 	zassert_equal(channel("lights", IMC_CHANNEL_ON, 0), IMC_ACTUATION_UNKNOWN);
 }
@@ -386,18 +388,18 @@ ZTEST(imc_actuation, test_lamp_goes_out_with_its_power)
 {
 	set_led("lamp", 255);
 	zassert_equal(channel("lamp", IMC_CHANNEL_RESTART, 0), IMC_ACTUATION_DONE);
-	zassert_false(light.settings.enable);
-	zassert_equal(actuation.effects.power.actions[0].kind, ILLUMINATOR_ACTION_LIGHT);
+	zassert_false(light->settings.enable);
+	zassert_equal(effects.lights, 1);
 	zassert_equal(set_led("lamp", 255), IMC_ACTUATION_REFUSED);
 	pass(2 * S, 0);
-	zassert_equal(power_outputs(&actuation.actuators.power), 0x07);
-	zassert_false(light.settings.enable, "dark until commanded");
+	zassert_equal(power_outputs(&device.actuators.power), 0x07);
+	zassert_false(light->settings.enable, "dark until commanded");
 	zassert_equal(set_led("lamp", 255), IMC_ACTUATION_DONE);
-	arbiter_configure(&arbiter, &(struct arbiter_config){
-					    .excluded = ARBITER_SOURCE_BIT(ARBITER_SOURCE_IMC)});
+	arbiter_configure(arbiter, &(struct arbiter_config){
+					   .excluded = ARBITER_SOURCE_BIT(ARBITER_SOURCE_IMC)});
 	zassert_equal(channel("lamp", IMC_CHANNEL_OFF, 0), IMC_ACTUATION_REFUSED);
 	zassert_equal(channel("camera", IMC_CHANNEL_OFF, 0), IMC_ACTUATION_DONE);
-	zassert_true(light.settings.enable);
+	zassert_true(light->settings.enable);
 }
 
 static enum imc_actuation_outcome power(uint8_t op, float remain_s, double sched_s)
@@ -425,17 +427,17 @@ ZTEST(imc_actuation, test_power_down_is_announced_and_then_happens)
 	zassert_equal(power(IMC_POWER_DOWN, 0, 0), IMC_ACTUATION_DONE);
 	expect_notice(IMC_POWER_DOWN_IN_PROGRESS, 3.0f);
 	zassert_equal(pass(2999999, IMC_POWER_OPERATION), 2);
-	zassert_true(light.settings.enable);
+	zassert_true(light->settings.enable);
 	zassert_equal(pass(3 * S, IMC_POWER_OPERATION), 1);
 	expect_notice(IMC_POWER_DOWN_IN_PROGRESS, 0.0f);
-	zassert_false(light.settings.enable);
-	zassert_equal(power_outputs(&actuation.actuators.power), 0);
+	zassert_false(light->settings.enable);
+	zassert_equal(power_outputs(&device.actuators.power), 0);
 	zassert_equal(set_led("status", 1), IMC_ACTUATION_REFUSED);
 	tell((struct imc_message){.id = IMC_QUERY_POWER_CHANNEL_STATE});
 	zassert_equal(sent(IMC_POWER_CHANNEL_STATE, 0)->message.power_channel_state.state, 0);
 	zassert_equal(power(IMC_POWER_UP, 0, 0), IMC_ACTUATION_DONE);
 	expect_notice(IMC_POWER_UP_IN_PROGRESS, 0.0f);
-	zassert_equal(power_outputs(&actuation.actuators.power), 0x07);
+	zassert_equal(power_outputs(&device.actuators.power), 0x07);
 	zassert_equal(set_led("lamp", 1), IMC_ACTUATION_DONE);
 }
 
@@ -462,7 +464,7 @@ ZTEST(imc_actuation, test_power_operations_out_of_range)
 	zassert_equal(pass(60 * S, IMC_POWER_OPERATION), 0);
 	header.dst_ent = IMC_ENTITY_SYSTEM;
 	zassert_equal(power(IMC_POWER_SCHEDULE_DOWN, 0, 5), IMC_ACTUATION_DONE);
-	zassert_equal(imc_actuation_deadline_us(&actuation), now_us + 5 * S);
+	zassert_equal(actuators_deadline_us(&device.actuators), now_us + 5 * S);
 }
 
 /* --- panel ------------------------------------------------------------------------------------ */
@@ -513,7 +515,7 @@ ZTEST(imc_actuation, test_remote_report_says_what_there_is_and_in_which_range)
 		"Light=Button;Strobe=Button;Brightness=Slider;Pan=Axis;Tilt=Axis;Ranges=Range127"));
 	request(IMC_REMOTE_ACTIONS_REGISTER, "Ranges=Decimal");
 	zassert_equal(count(IMC_REMOTE_ACTIONS_REQUEST), 0);
-	start(&board, false);
+	start(&full, false);
 	request(IMC_REMOTE_ACTIONS_REGISTER, "Joy=Axis;Ranges=Decimal");
 	request(IMC_REMOTE_ACTIONS_QUERY, "");
 	zassert_true(imc_text_is(
@@ -523,35 +525,35 @@ ZTEST(imc_actuation, test_remote_report_says_what_there_is_and_in_which_range)
 
 ZTEST(imc_actuation, test_remote_buttons_slider_and_axes)
 {
-	const struct imc_aim *const aim = actuation.effects.aim;
+	const struct gimbal_axis *const axes = device.gimbal.axes;
 
 	zassert_equal(remote("Light=1;Brightness=64; Pan=-127;Other=x"), IMC_ACTUATION_DONE);
-	zassert_true(light.settings.enable);
-	zassert_equal(light.settings.brightness_ppm, 503937); /* 64 / 127 */
-	zassert_equal(aim[IMC_AXIS_PAN].kind, IMC_AIM_RATE);
-	zassert_equal(aim[IMC_AXIS_PAN].value, -1000000);
-	zassert_equal(aim[IMC_AXIS_TILT].value, 0);
+	zassert_true(light->settings.enable);
+	zassert_equal(light->settings.brightness_ppm, 503937); /* 64 / 127 */
+	zassert_equal(axes[GIMBAL_PAN].kind, GIMBAL_RATE);
+	zassert_equal(axes[GIMBAL_PAN].rate, -1000000);
+	zassert_equal(axes[GIMBAL_TILT].rate, 0);
 	zassert_equal(remote("Strobe=127,Tilt=1"), IMC_ACTUATION_DONE);
-	zassert_true(light.settings.enable, "a release is nothing");
-	zassert_equal(light.settings.strobe_period_us, 500000);
-	zassert_equal(light.settings.duty_ppm, 500000);
-	zassert_equal(aim[IMC_AXIS_PAN].value, 0);
-	zassert_equal(aim[IMC_AXIS_TILT].value, 7874);
+	zassert_true(light->settings.enable, "a release is nothing");
+	zassert_equal(light->settings.strobe_period_us, 500000);
+	zassert_equal(light->settings.duty_ppm, 500000);
+	zassert_equal(axes[GIMBAL_PAN].rate, 0);
+	zassert_equal(axes[GIMBAL_TILT].rate, 7874);
 	zassert_equal(remote(""), IMC_ACTUATION_DONE);
 	zassert_equal(remote("Strobe=1"), IMC_ACTUATION_DONE);
-	zassert_equal(light.settings.strobe_period_us, 0);
-	zassert_equal(light.settings.brightness_ppm, 503937);
+	zassert_equal(light->settings.strobe_period_us, 0);
+	zassert_equal(light->settings.brightness_ppm, 503937);
 }
 
 ZTEST(imc_actuation, test_remote_silence_stops_the_axes_after_a_second)
 {
 	zassert_equal(remote("Light=1;Pan=127"), IMC_ACTUATION_DONE);
 	pass(S - 1, 0);
-	zassert_equal(actuation.effects.aim[IMC_AXIS_PAN].value, 1000000);
+	zassert_equal(device.gimbal.axes[GIMBAL_PAN].rate, 1000000);
 	pass(S, 0);
-	zassert_equal(actuation.effects.aim[IMC_AXIS_PAN].kind, IMC_AIM_RATE);
-	zassert_equal(actuation.effects.aim[IMC_AXIS_PAN].value, 0);
-	zassert_true(light.settings.enable, "the lamp stays as it was toggled");
+	zassert_equal(device.gimbal.axes[GIMBAL_PAN].kind, GIMBAL_RATE);
+	zassert_equal(device.gimbal.axes[GIMBAL_PAN].rate, 0);
+	zassert_true(light->settings.enable, "the lamp stays as it was toggled");
 }
 
 ZTEST(imc_actuation, test_remote_values_that_are_none_are_refused)
@@ -566,9 +568,9 @@ ZTEST(imc_actuation, test_remote_values_that_are_none_are_refused)
 	}
 	zassert_equal(remote("Pan=1.5;Ranges=Decimal"), IMC_ACTUATION_OUT_OF_RANGE);
 	zassert_equal(remote("Pan=-.25"), IMC_ACTUATION_DONE);
-	zassert_equal(actuation.effects.aim[IMC_AXIS_PAN].value, -250000);
+	zassert_equal(device.gimbal.axes[GIMBAL_PAN].rate, -250000);
 	zassert_equal(remote("Brightness=1.0;Ranges=Decimal"), IMC_ACTUATION_DONE);
-	zassert_equal(light.settings.brightness_ppm, 1000000);
+	zassert_equal(light->settings.brightness_ppm, 1000000);
 }
 
 /* --- a board that has none of it -------------------------------------------------------------- */
@@ -592,6 +594,6 @@ ZTEST(imc_actuation, test_bare_board_has_its_lamp)
 	zassert_equal(count(IMC_POWER_CHANNEL_STATE), 0);
 	zassert_equal(power(IMC_POWER_DOWN, 1, 0), IMC_ACTUATION_DONE);
 	pass(1 * S, 0);
-	zassert_false(light.settings.enable, "the lamp goes down without a switch");
+	zassert_false(light->settings.enable, "the lamp goes down without a switch");
 	zassert_equal(set_led("lamp", 9), IMC_ACTUATION_REFUSED);
 }

@@ -251,26 +251,28 @@ ZTEST(imc_node, test_version_and_activation)
 /* IMC EntityState: 1 normal, 2 fault, 3 error, 4 failure. */
 ZTEST(imc_node, test_a_changed_state_is_told_to_all_peers)
 {
-	struct illuminator illuminator = {.thermal = {.limit_ppm = PPM_ONE}};
+	static const struct device_effects reported = {.reports = 1};
+	struct illuminator *const illuminator = &device.lamps[0].illuminator;
 
+	illuminator->thermal.limit_ppm = PPM_ONE;
 	heartbeat_from(VEHICLE, STREAM, 0);
-	imc_endpoint_report(&endpoint, &illuminator);
+	imc_endpoint_tell(&endpoint, now_us, &reported, &out);
 	zassert_true(imc_endpoint_deadline_us(&endpoint) <= now_us);
 	zassert_equal(pass(0, IMC_ENTITY_STATE), IMC_ENTITY_COUNT, "booted: all are normal");
 	zassert_equal(sent_to(IMC_ENTITY_STATE, 0)->to, IMC_TO_PEERS);
 	zassert_equal(sent(IMC_ENTITY_STATE, IMC_ENTITY_LAMP)->message.entity_state.state, 1);
-	imc_endpoint_report(&endpoint, &illuminator);
+	imc_endpoint_tell(&endpoint, now_us, &reported, &out);
 	zassert_equal(pass(999999, IMC_ENTITY_STATE), 0, "no news");
 
-	illuminator.thermal.flags = THERMAL_FLAG_SHUTDOWN;
-	illuminator.thermal.limit_ppm = 0;
-	imc_endpoint_report(&endpoint, &illuminator);
+	illuminator->thermal.flags = THERMAL_FLAG_SHUTDOWN;
+	illuminator->thermal.limit_ppm = 0;
+	imc_endpoint_tell(&endpoint, now_us, &reported, &out);
 	zassert_equal(pass(now_us, IMC_ENTITY_STATE), 1);
 	zassert_equal(sent(IMC_ENTITY_STATE, 0)->header.src_ent, IMC_ENTITY_LAMP);
 	zassert_equal(sent(IMC_ENTITY_STATE, 0)->message.entity_state.state, 3);
 
-	illuminator.thermal.fault = THERMAL_FAULT_OPEN;
-	imc_endpoint_report(&endpoint, &illuminator);
+	illuminator->thermal.fault = THERMAL_FAULT_OPEN;
+	imc_endpoint_tell(&endpoint, now_us, &reported, &out);
 	pass(now_us, IMC_ENTITY_STATE);
 	zassert_equal(endpoint.node.entities.conditions[IMC_ENTITY_THERMAL].state, 4);
 }
@@ -293,18 +295,17 @@ ZTEST(imc_node, test_packets_carry_the_peers_time)
 ZTEST(imc_node, test_a_heartbeat_is_a_sign_of_life)
 {
 	heartbeat_from(VEHICLE, STREAM, 0);
-	zassert_equal(out.actions_count, 1);
-	zassert_equal(out.actions[0].kind, IMC_ACTION_HEARD);
+	zassert_equal(device.lamps[0].arbiter.heard_us, now_us);
 }
 
 /* Two lights that hear each other, and nobody else, have lost their link. */
 ZTEST(imc_node, test_other_sensors_and_announcements_are_no_sign_of_life)
 {
 	heartbeat_from(0x8443, STREAM, 0);
-	zassert_equal(out.actions_count, 0);
+	zassert_equal(device.lamps[0].arbiter.heard_us, -1);
 	zassert_equal(endpoint.node.peers.count, 1);
 	announce(VEHICLE, "");
-	zassert_equal(out.actions_count, 0);
+	zassert_equal(device.lamps[0].arbiter.heard_us, -1);
 }
 
 ZTEST(imc_node, test_unknown_and_malformed_packets_are_counted)

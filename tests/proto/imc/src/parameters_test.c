@@ -70,8 +70,8 @@ static uint16_t answered_count(void)
 
 ZTEST(imc_parameters, test_query_tells_the_values_in_force)
 {
-	params.values[PARAM_THR_SENS_MIN] = -55000;
-	params.values[PARAM_THR_HYST] = 0;
+	params->values[PARAM_THR_SENS_MIN] = -55000;
+	params->values[PARAM_THR_HYST] = 0;
 	query("Thermal");
 	zassert_true(imc_text_is(&sent(IMC_ENTITY_PARAMETERS, 0)->message.entity_parameters.name,
 	                         "Thermal"));
@@ -131,14 +131,12 @@ ZTEST(imc_parameters, test_set_answers_what_was_accepted)
 	zassert_equal(answered_count(), 2);
 	zassert_true(answered("LGT_CURVE", "0"));
 	zassert_true(answered("LGT_SRC_HOLD", "1500"));
-	zassert_equal(params.values[PARAM_LGT_CURVE], 0);
-	zassert_equal(params.values[PARAM_LGT_SRC_HOLD], 1500);
+	zassert_equal(params->values[PARAM_LGT_CURVE], 0);
+	zassert_equal(params->values[PARAM_LGT_SRC_HOLD], 1500);
 	zassert_equal(endpoint.node.stats.params_refused, 5);
-	zassert_equal(out.actions_count, 1);
-	zassert_equal(out.actions[0].kind, IMC_ACTION_PARAMS_CHANGED);
-	zassert_true(param_set_has(&out.actions[0].changed, PARAM_LGT_CURVE));
-	zassert_true(param_set_has(&out.actions[0].changed, PARAM_LGT_SRC_HOLD));
-	zassert_false(param_set_has(&out.actions[0].changed, PARAM_THR_HYST));
+	zassert_true(param_set_has(&effects.params, PARAM_LGT_CURVE));
+	zassert_true(param_set_has(&effects.params, PARAM_LGT_SRC_HOLD));
+	zassert_false(param_set_has(&effects.params, PARAM_THR_HYST));
 }
 
 ZTEST(imc_parameters, test_nothing_accepted_is_an_empty_answer)
@@ -146,7 +144,7 @@ ZTEST(imc_parameters, test_nothing_accepted_is_an_empty_answer)
 	want("LGT_CURVE", "7");
 	set("Lamp");
 	zassert_equal(answered_count(), 0);
-	zassert_equal(out.actions_count, 0);
+	zassert_true(param_set_is_empty(&effects.params));
 }
 
 ZTEST(imc_parameters, test_the_same_value_again_is_accepted_and_changes_nothing)
@@ -154,7 +152,7 @@ ZTEST(imc_parameters, test_the_same_value_again_is_accepted_and_changes_nothing)
 	want("LGT_CURVE", "1");
 	set("Lamp");
 	zassert_equal(answered_count(), 1);
-	zassert_equal(out.actions_count, 0);
+	zassert_true(param_set_is_empty(&effects.params));
 }
 
 ZTEST(imc_parameters, test_which_texts_are_numbers)
@@ -192,8 +190,8 @@ ZTEST(imc_parameters, test_which_texts_are_numbers)
 	for (size_t i = 0; i < ARRAY_SIZE(rows); i++) {
 		device_start(NULL);
 		asked = (struct imc_parameter_list){0};
-		params.values[PARAM_THR_SENS_MIN] = -200000;
-		params.values[PARAM_THR_SENS_MAX] = 1000000;
+		params->values[PARAM_THR_SENS_MIN] = -200000;
+		params->values[PARAM_THR_SENS_MAX] = 1000000;
 		want(rows[i].value > 150000 || !rows[i].accepted ? "THR_SENS_MAX" : "THR_SENS_MIN",
 		     rows[i].text);
 		set("Thermal");

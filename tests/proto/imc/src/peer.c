@@ -1,9 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "peer.h"
 
+#include <string.h>
+
 #include <zephyr/ztest.h>
 
-struct params params;
+struct pharos_device device;
+struct params *const params = &device.params;
+struct device_effects effects;
+struct device_config device_board = {.gimbal = true};
 struct imc_endpoint endpoint;
 struct imc_outbox out;
 struct imc_header header;
@@ -24,8 +29,11 @@ void device_start(const char *services)
 	};
 
 	now_us = 0;
-	params_init(&params);
-	imc_endpoint_init(&endpoint, now_us, &config, &params);
+	params_init(params);
+	params->values[PARAM_GMB_ENABLE] = 1;
+	pharos_device_init(&device, now_us, &device_board);
+	params_init(params);
+	imc_endpoint_init(&endpoint, now_us, &config, &device);
 	header = (struct imc_header){
 		.timestamp_s = 0,
 		.src = VEHICLE,
@@ -35,7 +43,15 @@ void device_start(const char *services)
 	};
 	route = (struct imc_route){.link = STREAM};
 	out.packets_count = 0;
-	out.actions_count = 0;
+}
+
+/* As the command thread does it. */
+static void settle(void)
+{
+	memset(&effects, 0, sizeof(effects));
+	if (pharos_device_take(&device, &effects)) {
+		imc_endpoint_tell(&endpoint, now_us, &effects, &out);
+	}
 }
 
 void send(const struct imc_message *message)
@@ -45,18 +61,30 @@ void send(const struct imc_message *message)
 
 	zassert_true(imc_encode(&packet, bytes, sizeof(bytes)) > 0, "the test's own packet");
 	imc_endpoint_receive(&endpoint, now_us, &route, bytes, &out);
+	settle();
 }
 
 uint32_t pass(int64_t until_us, uint16_t id)
 {
 	uint32_t total = 0;
 
-	while (imc_endpoint_deadline_us(&endpoint) <= until_us) {
-		const int64_t due_us = imc_endpoint_deadline_us(&endpoint);
+	for (;;) {
+		const int64_t device_us = pharos_device_deadline_us(&device);
+		const int64_t endpoint_us = imc_endpoint_deadline_us(&endpoint);
+		const int64_t due_us = device_us < endpoint_us ? device_us : endpoint_us;
 
+		if (due_us > until_us) {
+			break;
+		}
 		now_us = due_us > now_us ? due_us : now_us;
-		imc_endpoint_step(&endpoint, now_us, &out);
-		zassert_true(imc_endpoint_deadline_us(&endpoint) > now_us, "it comes to rest");
+		pharos_device_step(&device, now_us);
+		out.packets_count = 0;
+		if (imc_endpoint_deadline_us(&endpoint) <= now_us) {
+			imc_endpoint_step(&endpoint, now_us, &out);
+			zassert_true(imc_endpoint_deadline_us(&endpoint) > now_us,
+			             "it comes to rest");
+		}
+		settle();
 		total += count(id);
 	}
 	now_us = until_us;

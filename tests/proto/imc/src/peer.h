@@ -13,12 +13,18 @@
 #define STREAM    1
 #define DATAGRAMS 4
 
-extern struct params params;
+extern struct pharos_device device;
+extern struct params *const params;   /* the device's */
+extern struct device_effects effects; /* of the last packet or step */
 extern struct imc_endpoint endpoint;
 extern struct imc_outbox out;
 extern int64_t now_us;
 
-/* A device that has just started, at time 0. services NULL: no datagrams. */
+/*
+ * A device that has just started, at time 0. services NULL: no datagrams. It has a gimbal, and of
+ * outputs what device_board says.
+ */
+extern struct device_config device_board;
 void device_start(const char *services);
 
 /* From VEHICLE's entity 7 to all entities of the device, unless changed before each send(). */

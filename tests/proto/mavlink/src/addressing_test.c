@@ -11,7 +11,7 @@ ZTEST(mavlink_addressing, test_answer_equals_pymavlink_in_version_2)
 	receive(0, COMMAND_ON_V2, sizeof(COMMAND_ON_V2));
 	zassert_equal(out.count, 1);
 	assert_sent(0, 0, ACK_ON_V2, sizeof(ACK_ON_V2));
-	zassert_true(light.settings.enable);
+	zassert_true(light->settings.enable);
 }
 
 ZTEST(mavlink_addressing, test_answer_equals_pymavlink_in_version_1)
@@ -19,7 +19,7 @@ ZTEST(mavlink_addressing, test_answer_equals_pymavlink_in_version_1)
 	receive(1, COMMAND_ON_V1, sizeof(COMMAND_ON_V1));
 	zassert_equal(out.count, 1);
 	assert_sent(0, 1, ACK_ON_V1, sizeof(ACK_ON_V1));
-	zassert_true(light.settings.enable);
+	zassert_true(light->settings.enable);
 }
 
 ZTEST(mavlink_addressing, test_targets)
@@ -39,7 +39,7 @@ ZTEST(mavlink_addressing, test_targets)
 		             (struct command_params){{1}});
 		zassert_equal(out.count, table[i].answered ? 1 : 0, "%u/%u", table[i].system,
 		              table[i].component);
-		zassert_equal(light.settings.enable, table[i].answered);
+		zassert_equal(light->settings.enable, table[i].answered);
 	}
 }
 
@@ -241,14 +241,14 @@ ZTEST(mavlink_addressing, test_relays_heartbeat_is_no_commanders)
 	                                      .priority = ARBITER_SOURCE_NONE};
 	struct mavlink_sender who = {.version = 2, .system_id = 125, .component_id = 191};
 
-	arbiter_configure(&arbiter, &config);
+	arbiter_configure(arbiter, &config);
 	zassert_equal(COMMAND(405, 1), MAV_RESULT_ACCEPTED);
 	now_us = SECOND / 2;
 	receive_from(0, &who, &kind, &payload);
-	zassert_equal(arbiter_deadline_us(&arbiter), SECOND);
+	zassert_equal(arbiter_deadline_us(arbiter), SECOND);
 	who.component_id = 190;
 	receive_from(0, &who, &kind, &payload);
-	zassert_equal(arbiter_deadline_us(&arbiter), SECOND * 3 / 2);
+	zassert_equal(arbiter_deadline_us(arbiter), SECOND * 3 / 2);
 }
 
 ZTEST(mavlink_addressing, test_each_link_has_its_own_sequence)
@@ -270,7 +270,7 @@ ZTEST(mavlink_addressing, test_own_frames_coming_back_are_left)
 
 	receive(0, bytes, mavlink_frame_build(bytes, &self, &kind, &wire));
 	zassert_equal(out.count, 0);
-	zassert_false(light.settings.enable);
+	zassert_false(light->settings.enable);
 	zassert_equal(endpoint.links[0].stats.rx_echoes, 1);
 }
 
@@ -298,13 +298,13 @@ ZTEST(mavlink_addressing, test_two_components_answer_for_themselves)
 	gimbal.command_count = 0;
 	gimbal.message_count = 1;
 	gimbal.system_status = active;
-	gimbal.observe = NULL;
+	gimbal.tell = NULL;
 	mavlink_endpoint_add(&endpoint, now_us, 154, &gimbal, &service);
 
 	receive_long(0, 1, 154, 405, (struct command_params){{1}});
 	zassert_equal(out.count, 1);
 	zassert_equal(sent(0).component_id, 154);
-	zassert_false(light.settings.enable);
+	zassert_false(light->settings.enable);
 
 	receive_long(0, 1, 154, 31999, (struct command_params){{1}});
 	zassert_equal(sent(0).sequence, 1); /* a sequence of its own */
@@ -318,14 +318,14 @@ ZTEST(mavlink_addressing, test_command_to_all_is_for_those_that_know_it)
 
 	gimbal.message_count = 1; /* HEARTBEAT */
 	gimbal.command_count = 3; /* those about messages */
-	gimbal.observe = NULL;
+	gimbal.tell = NULL;
 	mavlink_endpoint_add(&endpoint, now_us, 154, &gimbal, &service);
 
 	receive_long(0, 0, 0, 405, (struct command_params){{1}});
 	zassert_equal(out.count, 1);
 	sent_payload(0, 77, &ack, sizeof(ack));
 	zassert_equal(ack.result, MAV_RESULT_ACCEPTED);
-	zassert_true(light.settings.enable);
+	zassert_true(light->settings.enable);
 	receive_long(0, 0, 0, 512, (struct command_params){{440}});
 	zassert_equal(out.count, 2, "an answer and the message");
 	receive_long(0, 0, 0, 512, (struct command_params){{0}});

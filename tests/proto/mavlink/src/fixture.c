@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "fixture.h"
 
-struct illuminator light;
-struct arbiter arbiter;
-struct params device_params;
-struct self_test self_test;
+struct pharos_device device;
+struct illuminator *const light = &device.lamps[0].illuminator;
+struct arbiter *const arbiter = &device.lamps[0].arbiter;
+struct params *const device_params = &device.params;
+struct device_effects effects;
 struct mavlink_illuminator service;
 struct mavlink_endpoint endpoint;
 struct mavlink_outbox out;
@@ -36,25 +37,35 @@ void fixture_before(void *unused)
 		.max_period_us = 10000000,
 		.curve = ILLUMINATOR_CURVE_LINEAR,
 	};
-	const struct arbiter_config arbiter_config = {.priority = ARBITER_SOURCE_NONE};
+	const struct device_config device_config = {.gimbal = true};
 	const struct mavlink_endpoint_config config = {.system_id = 1, .links = 0x03};
 
 	(void)unused;
 	now_us = 0;
 	ground_sequence = 0;
-	illuminator_init(&light, &light_config);
-	arbiter_init(&arbiter, &arbiter_config);
-	params_init(&device_params);
-	mavlink_illuminator_init(&service, &light, &arbiter, &identity, &device_params, &self_test);
-	self_test_init(&self_test);
+	params_init(device_params);
+	device_params->values[PARAM_GMB_ENABLE] = 1;
+	pharos_device_init(&device, now_us, &device_config);
+	params_init(device_params);
+	illuminator_init(light, &light_config);
+	mavlink_illuminator_init(&service, &device, 0, &identity);
 	mavlink_endpoint_init(&endpoint, &config);
 	mavlink_endpoint_add(&endpoint, now_us, 243, &mavlink_illuminator_profile, &service);
 	memset(&out, 0xA5, sizeof(out));
 }
 
+void settle(void)
+{
+	memset(&effects, 0, sizeof(effects));
+	if (pharos_device_take(&device, &effects)) {
+		mavlink_endpoint_tell(&endpoint, now_us, &effects);
+	}
+}
+
 void receive(uint8_t link, const uint8_t *bytes, size_t length)
 {
 	mavlink_endpoint_receive(&endpoint, now_us, link, bytes, length, &out);
+	settle();
 }
 
 void receive_message(uint8_t link, const struct mavlink_kind *kind, const void *payload)
@@ -190,22 +201,20 @@ void thermal_report(enum thermal_state state, enum thermal_fault fault, int32_t 
 {
 	const bool failed = fault != THERMAL_FAULT_NONE;
 	uint32_t flags = failed ? THERMAL_FLAG_THERMISTOR : 0;
-	struct illuminator_outbox actions;
 
 	flags |= state == THERMAL_STATE_THROTTLING ? THERMAL_FLAG_THROTTLING : 0;
 	flags |= state == THERMAL_STATE_SHUTDOWN ? THERMAL_FLAG_SHUTDOWN : 0;
 
-	const struct illuminator_event event = {
-		.kind = ILLUMINATOR_EVENT_THERMAL,
-		.thermal = {.state = state,
-	                    .sensor = failed ? THERMAL_SENSOR_FAILED : THERMAL_SENSOR_OK,
-	                    .fault = fault,
-	                    .flags = flags,
-	                    .limit_ppm = 500000,
-	                    .temp_mdegc = failed ? 0 : temp_mdegc,
-	                    .temp_valid = !failed},
+	const struct thermal_report report = {
+		.state = state,
+		.sensor = failed ? THERMAL_SENSOR_FAILED : THERMAL_SENSOR_OK,
+		.fault = fault,
+		.flags = flags,
+		.limit_ppm = 500000,
+		.temp_mdegc = failed ? 0 : temp_mdegc,
+		.temp_valid = !failed,
 	};
 
-	illuminator_step(&light, now_us, &event, &actions);
-	mavlink_endpoint_observe(&endpoint, now_us, &actions);
+	pharos_device_report_heat(&device, now_us, 0, &report);
+	settle();
 }

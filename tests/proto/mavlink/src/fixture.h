@@ -18,10 +18,11 @@
 
 #define SECOND INT64_C(1000000)
 
-extern struct illuminator light;
-extern struct arbiter arbiter;
-extern struct params device_params;
-extern struct self_test self_test;
+extern struct pharos_device device;
+extern struct illuminator *const light; /* the device's */
+extern struct arbiter *const arbiter;
+extern struct params *const device_params;
+extern struct device_effects effects; /* of the last frame */
 extern struct mavlink_illuminator service;
 extern struct mavlink_endpoint endpoint;
 extern struct mavlink_outbox out;
@@ -29,6 +30,9 @@ extern int64_t now_us;
 
 /* Everything new, at time 0; nothing has been sent yet. Suits ZTEST_SUITE. */
 void fixture_before(void *unused);
+
+/* Takes the device's effects, of which the endpoint is told. */
+void settle(void);
 
 /* A frame arrives on a link. */
 void receive(uint8_t link, const uint8_t *bytes, size_t length);

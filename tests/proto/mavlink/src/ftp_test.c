@@ -335,7 +335,7 @@ ZTEST(mavlink_ftp, test_packed_parameters_are_of_one_instant)
 	assert_ok(asked((struct ask){.session = 9, .opcode = 4, .path = PACK "?withdefaults=1"}));
 	length = read_pack(9, first);
 	zassert_equal(length, mavlink_param_pack_length(&service.ftp.pack, true));
-	zassert_equal(params_set(&device_params, PARAM_LGT_RESTORE, 1, &changed), PARAMS_OK);
+	zassert_equal(params_set(device_params, PARAM_LGT_RESTORE, 1, &changed), PARAMS_OK);
 	zassert_equal(read_pack(9, again), length);
 	zassert_mem_equal(first, again, length);
 
@@ -354,7 +354,7 @@ ZTEST(mavlink_ftp, test_idle_packed_parameters_are_given_up)
 
 	(void)run_until(SECOND);
 	assert_ok(asked((struct ask){.session = 9, .opcode = 4, .path = PACK}));
-	zassert_equal(params_set(&device_params, PARAM_LGT_RESTORE, 1, &changed), PARAMS_OK);
+	zassert_equal(params_set(device_params, PARAM_LGT_RESTORE, 1, &changed), PARAMS_OK);
 	zassert_equal(values_sent(now_us + 9 * SECOND), 0);
 	zassert_equal(values_sent(now_us + 2 * SECOND), 1);
 	assert_error(asked((struct ask){.session = 9, .opcode = 5, .size = 9}), 4);
@@ -366,7 +366,7 @@ ZTEST(mavlink_ftp, test_two_clients_read_the_same_packed_parameters)
 
 	assert_ok(asked((struct ask){.session = 9, .opcode = 4, .path = PACK}));
 	assert_ok(asked((struct ask){.session = 8, .opcode = 4, .path = PACK "?withdefaults=1"}));
-	zassert_equal(params_set(&device_params, PARAM_LGT_RESTORE, 1, &changed), PARAMS_OK);
+	zassert_equal(params_set(device_params, PARAM_LGT_RESTORE, 1, &changed), PARAMS_OK);
 	assert_ok(asked((struct ask){.session = 9, .sequence = 2, .opcode = 1}));
 	/* the other still does */
 	assert_error(asked((struct ask){.session = 7, .sequence = 4, .opcode = 4, .path = PACK}),

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "gimbal_fixture.h"
 
-struct gimbal gimbal;
-struct arbiter gimbal_arbiter;
-struct params params;
+struct gimbal *const gimbal = &device.gimbal;
+struct arbiter *const gimbal_arbiter = &device.gimbal_arbiter;
 struct mavlink_gimbal its;
 
 static const struct mavlink_identity who = {
@@ -18,16 +17,13 @@ static const struct mavlink_identity who = {
 void gimbal_fixture_before(void *unused)
 {
 	struct gimbal_config config;
-	const struct arbiter_config arbiter_config = {.priority = ARBITER_SOURCE_NONE};
 
 	fixture_before(unused);
-	params_init(&params);
-	params_gimbal(&params, &config);
+	params_gimbal(device_params, &config);
 	config.axes[GIMBAL_PAN].rate_mdeg_per_s = 100000;
 	config.axes[GIMBAL_TILT].rate_mdeg_per_s = 100000;
-	gimbal_init(&gimbal, now_us, &config);
-	arbiter_init(&gimbal_arbiter, &arbiter_config);
-	mavlink_gimbal_init(&its, &gimbal, &gimbal_arbiter, &params, &who);
+	gimbal_init(gimbal, now_us, &config);
+	mavlink_gimbal_init(&its, &device, &who);
 	mavlink_endpoint_add(&endpoint, now_us, 154, &mavlink_gimbal_profile, &its);
 }
 
@@ -78,16 +74,16 @@ void pass(int64_t duration_us)
 	const int64_t until_us = now_us + duration_us;
 	struct gimbal_outbox moves;
 
-	while (gimbal_deadline_us(&gimbal) <= until_us) {
-		now_us = gimbal_deadline_us(&gimbal);
-		gimbal_advance(&gimbal, now_us, &moves);
+	while (gimbal_deadline_us(gimbal) <= until_us) {
+		now_us = gimbal_deadline_us(gimbal);
+		gimbal_advance(gimbal, now_us, &moves);
 	}
 	now_us = until_us;
 }
 
 void assert_at(int32_t pan_mdeg, int32_t tilt_mdeg)
 {
-	const struct direction own = gimbal_report(&gimbal, now_us).own;
+	const struct direction own = gimbal_report(gimbal, now_us).own;
 
 	zassert_within(own.yaw_mdeg, pan_mdeg, 5, "pan %d, not %d", own.yaw_mdeg, pan_mdeg);
 	zassert_within(own.pitch_mdeg, tilt_mdeg, 5, "tilt %d, not %d", own.pitch_mdeg, tilt_mdeg);

@@ -14,9 +14,8 @@
 #define C 0.92387953f /* cos(22.5) */
 #define S 0.38268343f /* sin(22.5) */
 
-extern struct gimbal gimbal;
-extern struct arbiter gimbal_arbiter;
-extern struct params params;
+extern struct gimbal *const gimbal; /* the device's */
+extern struct arbiter *const gimbal_arbiter;
 extern struct mavlink_gimbal its;
 
 /* As fixture_before, and the gimbal. Suits ZTEST_SUITE. */

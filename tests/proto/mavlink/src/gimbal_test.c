@@ -25,7 +25,7 @@ ZTEST(mavlink_gimbal, test_heartbeat_is_a_gimbals)
 	zassert_equal(heartbeat.type, 26);         /* MAV_TYPE_GIMBAL */
 	zassert_equal(heartbeat.autopilot, 8);     /* MAV_AUTOPILOT_INVALID */
 	zassert_equal(heartbeat.system_status, 4); /* MAV_STATE_ACTIVE */
-	gimbal.fault = true;
+	gimbal->fault = true;
 	asked(0, &heartbeat, sizeof(heartbeat));
 	zassert_equal(heartbeat.system_status, 5); /* MAV_STATE_CRITICAL */
 }
@@ -42,12 +42,12 @@ ZTEST(mavlink_gimbal, test_streams_heartbeat_and_attitude_on_every_link)
 
 ZTEST(mavlink_gimbal, test_information_has_real_limits)
 {
-	struct gimbal_event event = {.kind = GIMBAL_EVENT_CONFIG, .config = gimbal.config};
+	struct gimbal_event event = {.kind = GIMBAL_EVENT_CONFIG, .config = gimbal->config};
 	mavlink_gimbal_device_information_t info;
 
 	event.config.axes[GIMBAL_PAN].min_mdeg = -45000;
 	event.config.axes[GIMBAL_TILT].max_mdeg = 30000;
-	gimbal_step(&gimbal, now_us, &event);
+	gimbal_step(gimbal, now_us, &event);
 	asked(283, &info, sizeof(info));
 	zassert_within(info.yaw_min, -0.785398f, 1e-5f);
 	zassert_within(info.yaw_max, 1.570796f, 1e-5f);
@@ -104,7 +104,7 @@ ZTEST(mavlink_gimbal, test_signs_of_mount_control_are_a_parameter)
 		{0, 20000, 10000}, {1, 20000, -10000}, {2, -20000, 10000}, {3, -20000, -10000}};
 
 	for (size_t i = 0; i < ARRAY_SIZE(cases); i++) {
-		params.values[PARAM_GMB_MNT_SIGN] = cases[i].sign;
+		device_params->values[PARAM_GMB_MNT_SIGN] = cases[i].sign;
 		zassert_equal(ORDER(205, 10, 0, 20, 0, 0, 0, 2), MAV_RESULT_ACCEPTED);
 		pass(SECOND);
 		assert_at(cases[i].pan_mdeg, cases[i].tilt_mdeg);
@@ -137,7 +137,7 @@ ZTEST(mavlink_gimbal, test_mount_control_refuses_bad_numbers)
 	zassert_equal(ORDER(205, 10, 0, 10, 0, 0, 0, 1.5f), MAV_RESULT_DENIED);
 	pass(SECOND);
 	assert_at(0, 0);
-	zassert_equal(gimbal_arbiter.commander, ARBITER_SOURCE_NONE);
+	zassert_equal(gimbal_arbiter->commander, ARBITER_SOURCE_NONE);
 }
 
 ZTEST(mavlink_gimbal, test_mount_configure_chooses_what_the_inputs_are)
@@ -178,18 +178,18 @@ ZTEST(mavlink_gimbal, test_who_may_not_point_is_told)
 {
 	struct arbiter_config config = {.excluded = ARBITER_SOURCE_BIT(ARBITER_SOURCE_MAVLINK)};
 
-	arbiter_configure(&gimbal_arbiter, &config);
+	arbiter_configure(gimbal_arbiter, &config);
 	zassert_equal(ORDER(205, 10, 0, 10, 0, 0, 0, 2), MAV_RESULT_DENIED);
 	set_attitude((struct setpoint){.q = {H, 0, 0, H}, .rates = NO_RATES});
 	zassert_equal(its.stats.refused, 1);
 	config = (struct arbiter_config){.priority = ARBITER_SOURCE_DRONECAN, .hold_us = SECOND};
-	arbiter_configure(&gimbal_arbiter, &config);
-	arbiter_commit(&gimbal_arbiter, now_us, ARBITER_SOURCE_DRONECAN);
+	arbiter_configure(gimbal_arbiter, &config);
+	arbiter_commit(gimbal_arbiter, now_us, ARBITER_SOURCE_DRONECAN);
 	zassert_equal(ORDER(205, 10, 0, 10, 0, 0, 0, 2), MAV_RESULT_TEMPORARILY_REJECTED);
 	pass(SECOND);
 	assert_at(0, 0);
 	zassert_equal(ORDER(205, 10, 0, 10, 0, 0, 0, 2), MAV_RESULT_ACCEPTED);
-	zassert_equal(gimbal_arbiter.commander, ARBITER_SOURCE_MAVLINK);
+	zassert_equal(gimbal_arbiter->commander, ARBITER_SOURCE_MAVLINK);
 }
 
 /* --- GIMBAL_DEVICE_SET_ATTITUDE --------------------------------------------------------------- */
@@ -327,9 +327,9 @@ ZTEST(mavlink_gimbal, test_limits_and_faults_show_in_failure_flags)
 	zassert_equal(status().failure_flags, 2); /* AT_PITCH_LIMIT */
 	ORDER(205, 0, 0, 0, 0, 0, 0, 2);
 	zassert_equal(status().failure_flags, 0);
-	gimbal.fault = true;
+	gimbal->fault = true;
 	zassert_equal(status().failure_flags, 32); /* MOTOR_ERROR */
-	gimbal.fault = false;
+	gimbal->fault = false;
 	set_attitude((struct setpoint){.flags = 28, .q = {1, 0, 0, 0}, .rates = NO_RATES});
 	zassert_equal(status().failure_flags, 128); /* COMMS_ERROR: no attitude of the vehicle */
 	zassert_equal(status().flags & 28, 0);
@@ -345,10 +345,10 @@ ZTEST(mavlink_gimbal, test_set_attitude_for_another_is_left)
 	wire.target_component = 154;
 	wire.target_system = 2;
 	say(1, 1, &kind, &wire);
-	zassert_equal(gimbal.mode, GIMBAL_MODE_NEUTRAL);
+	zassert_equal(gimbal->mode, GIMBAL_MODE_NEUTRAL);
 	wire.target_system = 0;
 	say(1, 1, &kind, &wire);
-	zassert_equal(gimbal.mode, GIMBAL_MODE_RETRACTED);
+	zassert_equal(gimbal->mode, GIMBAL_MODE_RETRACTED);
 }
 
 ZTEST(mavlink_gimbal, test_mount_orientation_for_older_ground_stations)

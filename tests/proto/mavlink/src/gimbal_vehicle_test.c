@@ -13,13 +13,13 @@ ZTEST(mavlink_gimbal_vehicle, test_autopilot_state_gives_the_attitude)
 	/* yaw 90, roll 45: (H, 0, 0, H)(C, S, 0, 0) */
 	memcpy(state.q, (const float[4]){H * C, H * S, H * S, H * C}, sizeof(state.q));
 	say(1, 1, &kind, &state);
-	zassert_within(gimbal.attitude.roll_mdeg, 45000, 2);
-	zassert_within(gimbal.attitude.pitch_mdeg, 0, 2);
-	zassert_within(gimbal.attitude.yaw_mdeg, 90000, 2);
+	zassert_within(gimbal->attitude.roll_mdeg, 45000, 2);
+	zassert_within(gimbal->attitude.pitch_mdeg, 0, 2);
+	zassert_within(gimbal->attitude.yaw_mdeg, 90000, 2);
 	state.q[0] = NAN;
 	say(1, 1, &kind, &state);
 	zassert_equal(its.stats.bad, 1);
-	zassert_within(gimbal.attitude.roll_mdeg, 45000, 2);
+	zassert_within(gimbal->attitude.roll_mdeg, 45000, 2);
 }
 
 ZTEST(mavlink_gimbal_vehicle, test_attitude_of_others_is_not_the_vehicles)
@@ -29,12 +29,12 @@ ZTEST(mavlink_gimbal_vehicle, test_attitude_of_others_is_not_the_vehicles)
 
 	say(2, 1, &kind, &attitude);   /* another vehicle */
 	say(1, 190, &kind, &attitude); /* another component */
-	zassert_equal(gimbal.attitude_us, -1);
+	zassert_equal(gimbal->attitude_us, -1);
 	attitude.yaw = NAN;
 	say(1, 1, &kind, &attitude);
 	attitude.yaw = 1e9f;
 	say(1, 1, &kind, &attitude);
-	zassert_equal(gimbal.attitude_us, -1);
+	zassert_equal(gimbal->attitude_us, -1);
 	zassert_equal(its.stats.bad, 2);
 }
 
@@ -230,10 +230,10 @@ ZTEST(mavlink_gimbal_vehicle, test_nobody_is_asked_without_a_vehicle_or_when_tol
 {
 	(void)idle(10 * SECOND);
 	zassert_equal(its.stats.requests, 0);
-	params.values[PARAM_GMB_ASK_DATA] = 0;
+	device_params->values[PARAM_GMB_ASK_DATA] = 0;
 	(void)fly(5 * SECOND, false, false);
 	zassert_equal(its.stats.requests, 0);
-	params.values[PARAM_GMB_ASK_DATA] = 1;
+	device_params->values[PARAM_GMB_ASK_DATA] = 1;
 	(void)fly(SECOND, false, false);
 	zassert_true(its.stats.requests > 0);
 	const uint32_t asked_so_far = its.stats.requests;
@@ -268,7 +268,7 @@ static void vehicle_at(int32_t lat, int32_t lon, int32_t alt)
 
 static void assert_near(int32_t pan_mdeg, int32_t tilt_mdeg)
 {
-	const struct direction own = gimbal_report(&gimbal, now_us).own;
+	const struct direction own = gimbal_report(gimbal, now_us).own;
 
 	zassert_within(own.yaw_mdeg, pan_mdeg, 100, "pan %d", own.yaw_mdeg);
 	zassert_within(own.pitch_mdeg, tilt_mdeg, 100, "tilt %d", own.pitch_mdeg);
@@ -317,8 +317,8 @@ ZTEST(mavlink_gimbal_vehicle, test_another_source_ends_the_tracking)
 	zassert_equal(ORDER(205, 0, 0, 0, 500, (float)470089832, (float)80131718, 4),
 	              MAV_RESULT_ACCEPTED);
 	pass(SECOND / 2);
-	gimbal_step(&gimbal, now_us, &neutral);
-	arbiter_commit(&gimbal_arbiter, now_us, ARBITER_SOURCE_SHELL);
+	gimbal_step(gimbal, now_us, &neutral);
+	arbiter_commit(gimbal_arbiter, now_us, ARBITER_SOURCE_SHELL);
 	vehicle_at(470000000, 80000000, 500000);
 	pass(SECOND);
 	assert_near(0, 0);

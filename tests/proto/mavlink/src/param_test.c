@@ -80,10 +80,10 @@ ZTEST(mavlink_param, test_every_parameter_reads_by_index_and_by_name)
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
 		ask(0, "", (int16_t)i, 243);
 		zassert_equal(out.count, 1);
-		assert_value(0, 0, i, device_params.values[i]);
+		assert_value(0, 0, i, device_params->values[i]);
 		ask(1, params_info(i)->name, -1, 243);
 		zassert_equal(out.count, 1);
-		assert_value(0, 1, i, device_params.values[i]);
+		assert_value(0, 1, i, device_params->values[i]);
 	}
 }
 
@@ -130,7 +130,7 @@ ZTEST(mavlink_param, test_other_components_and_systems_are_not_answered_for)
 	zassert_equal(out.count, 0);
 	set_typed(0, "LGT_CURVE", &value, 6, 1);
 	zassert_equal(out.count, 0);
-	zassert_equal(device_params.values[PARAM_LGT_CURVE], 1);
+	zassert_equal(device_params->values[PARAM_LGT_CURVE], 1);
 }
 
 ZTEST(mavlink_param, test_a_set_is_in_force_when_it_is_answered_and_handed_out_to_be_stored)
@@ -138,12 +138,12 @@ ZTEST(mavlink_param, test_a_set_is_in_force_when_it_is_answered_and_handed_out_t
 	receive(0, PARAM_SET_CURVE, sizeof(PARAM_SET_CURVE)); /* to 0; the default is 1 */
 	zassert_equal(out.count, 1);
 	assert_value(0, 0, PARAM_LGT_CURVE, 0);
-	zassert_equal(device_params.values[PARAM_LGT_CURVE], 0);
-	zassert_true(param_set_has(&out.params, PARAM_LGT_CURVE));
+	zassert_equal(device_params->values[PARAM_LGT_CURVE], 0);
+	zassert_true(param_set_has(&effects.params, PARAM_LGT_CURVE));
 	/* the same again: answered, but nothing to store */
 	set(0, "LGT_CURVE", 0);
 	assert_value(0, 0, PARAM_LGT_CURVE, 0);
-	zassert_true(param_set_is_empty(&out.params));
+	zassert_true(param_set_is_empty(&effects.params));
 }
 
 ZTEST(mavlink_param, test_a_name_of_16_characters_needs_no_terminator)
@@ -152,7 +152,7 @@ ZTEST(mavlink_param, test_a_name_of_16_characters_needs_no_terminator)
 
 	set(0, longer, 0);
 	assert_error(0, "LGT_CURVE_AND_MO", -1, 1);
-	zassert_equal(device_params.values[PARAM_LGT_CURVE], 1);
+	zassert_equal(device_params->values[PARAM_LGT_CURVE], 1);
 }
 
 ZTEST(mavlink_param, test_a_refused_set_is_answered_by_why_and_by_what_is_in_force)
@@ -168,7 +168,7 @@ ZTEST(mavlink_param, test_a_refused_set_is_answered_by_why_and_by_what_is_in_for
 	set(0, "STRB_MIN_US", 60000000); /* in its range, but above STRB_MAX_US */
 	assert_error(0, "STRB_MIN_US", -1, 2);
 	assert_value(1, 0, PARAM_STRB_MIN_US, 10000);
-	zassert_true(param_set_is_empty(&out.params));
+	zassert_true(param_set_is_empty(&effects.params));
 	zassert_equal(service.params.stats.refused, 3);
 }
 
@@ -392,11 +392,11 @@ ZTEST(mavlink_param, test_a_set_during_a_list_shows_in_what_is_still_to_come)
 ZTEST(mavlink_param, test_what_others_change_is_told_on_every_link)
 {
 	struct listing listings[2] = {0};
-	struct param_set changed = {0};
+	const struct device_who who = {.way = SECURITY_WAY_SHELL};
 
 	run_until(0);
-	zassert_equal(params_set(&device_params, PARAM_SYNC_POL, 1, &changed), PARAMS_OK);
-	mavlink_params_changed(&service.params, now_us, 0x03, &changed);
+	zassert_equal(pharos_device_set_param(&device, now_us, &who, PARAM_SYNC_POL, 1), PARAMS_OK);
+	settle();
 	run_lists(SECOND / 2, listings);
 	for (int link = 0; link < 2; link++) {
 		zassert_equal(listings[link].total, 1);

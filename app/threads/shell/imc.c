@@ -9,10 +9,10 @@
 
 #include "proto/imc/endpoint.h"
 #include "threads/clock.h"
+#include "threads/imc_light.h"
 #include "threads/imc_link.h"
-#include "threads/imc_node.h"
-#include "threads/link.h"
-#include "threads/shell_call.h"
+#include "threads/links.h"
+#include "threads/shell/call.h"
 #include "threads/uart_link.h"
 
 /* What the shell's thread prints, as it was in the command thread. */
@@ -24,9 +24,9 @@ struct status {
 	struct imc_peers peers;
 };
 
-static int copy_status(struct command *command, void *argument)
+static int copy_status(struct pharos_device *device, void *argument)
 {
-	const struct imc_endpoint *const endpoint = imc_node_endpoint();
+	const struct imc_endpoint *const endpoint = imc_light_endpoint();
 	struct status *const status = argument;
 
 	status->id = endpoint->id;
@@ -48,7 +48,7 @@ static void print_peer(const struct shell *sh, const struct imc_peer *peer, int6
 		            address & UINT8_MAX, peer->route.port, age_ms);
 	} else {
 		shell_print(sh, "0x%04x        %s, %u ms ago", peer->id,
-		            link_name(peer->route.link), age_ms);
+		            links_name(peer->route.link), age_ms);
 	}
 }
 
@@ -63,7 +63,7 @@ static int cmd_imc(const struct shell *sh, size_t argc, char **argv)
 	shell_print(sh, "%-14s0x%04x", "id", now.id);
 	for (uint8_t number = 0; number < UART_LINKS_MAX; number++) {
 		if (uart_link_protocol(number) == UART_PROTOCOL_IMC) {
-			shell_print(sh, "%-14sspeaks IMC", link_name(number));
+			shell_print(sh, "%-14sspeaks IMC", links_name(number));
 		}
 	}
 	shell_print(sh, "%-14srx %u, malformed %u; tx %u, failed %u", "datagrams",

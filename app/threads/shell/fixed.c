@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "threads/fixed.h"
+#include "threads/shell/fixed.h"
 
 #include <zephyr/sys/printk.h>
 

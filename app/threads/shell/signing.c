@@ -14,9 +14,9 @@
 #include <pharos/compat.h>
 
 #include "threads/clock.h"
-#include "threads/fixed.h"
 #include "threads/mavlink_node.h"
-#include "threads/shell_call.h"
+#include "threads/shell/call.h"
+#include "threads/shell/fixed.h"
 
 #define KEY_DIGITS     (2 * MAVLINK_SIGNING_KEY_BYTES)
 #define STAMP_DECIMALS 5 /* a timestamp counts 10 us */
@@ -36,7 +36,7 @@ static uint64_t timestamp_now(void)
 	return mavlink_signing_timestamp(&mavlink_node_endpoint()->signing, clock_now_us());
 }
 
-static int set_key(struct command *command, void *argument)
+static int set_key(struct pharos_device *device, void *argument)
 {
 	struct mavlink_signing_record *const record = argument;
 
@@ -151,7 +151,7 @@ struct status {
 	bool on;
 };
 
-static int copy_status(struct command *command, void *argument)
+static int copy_status(struct pharos_device *device, void *argument)
 {
 	const struct mavlink_endpoint *const endpoint = mavlink_node_endpoint();
 	struct status *const status = argument;

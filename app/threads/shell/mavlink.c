@@ -6,9 +6,9 @@
 
 #include <zephyr/shell/shell.h>
 
-#include "threads/link.h"
+#include "threads/links.h"
 #include "threads/mavlink_node.h"
-#include "threads/shell_call.h"
+#include "threads/shell/call.h"
 
 /* What the shell's thread prints, copied in the command thread. */
 struct mavlink_view {
@@ -20,7 +20,7 @@ struct mavlink_view {
 	struct mavlink_link link[MAVLINK_LINKS_MAX];
 };
 
-static int copy_endpoint(struct command *command, void *argument)
+static int copy_endpoint(struct pharos_device *device, void *argument)
 {
 	const struct mavlink_endpoint *const endpoint = mavlink_node_endpoint();
 	struct mavlink_view *const view = argument;
@@ -55,7 +55,7 @@ static int cmd_mavlink(const struct shell *sh, size_t argc, char **argv)
 
 		if ((view.links & 1u << link) != 0) {
 			shell_print(sh, "%-14sMAVLink %u, rx %u frames, %u commands, tx %u frames",
-			            link_name(link), its->version == 1 ? 1 : 2,
+			            links_name(link), its->version == 1 ? 1 : 2,
 			            its->stats.rx_frames, its->stats.rx_commands,
 			            its->stats.tx_frames);
 		}

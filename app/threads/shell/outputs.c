@@ -8,22 +8,27 @@
 #include <zephyr/shell/shell.h>
 
 #include "proto/imc/actuation_map.h"
-#include "threads/actuation.h"
+#include "proto/imc/endpoint.h"
 #include "threads/clock.h"
-#include "threads/fixed.h"
-#include "threads/shell_call.h"
+#include "threads/imc_light.h"
+#include "threads/outputs.h"
+#include "threads/shell/call.h"
+#include "threads/shell/fixed.h"
+#include "threads/shell/say.h"
 
 /* Too large for the shell's stack; there is one shell, and it runs one command at a time. */
 static struct {
-	struct imc_actuation service;
-	struct actuation_stats stats;
+	struct actuators actuators;
+	uint32_t outcomes[IMC_ACTUATION_REFUSED + 1];
+	uint32_t errors;
 	int64_t now_us;
 } now;
 
-static int take_snapshot(struct command *command, void *argument)
+static int take_snapshot(struct pharos_device *device, void *argument)
 {
-	now.service = *actuation_service();
-	now.stats = actuation_stats_get();
+	now.actuators = device->actuators;
+	memcpy(now.outcomes, imc_light_endpoint()->actuation.stats.outcomes, sizeof(now.outcomes));
+	now.errors = outputs_errors();
 	now.now_us = clock_now_us();
 	return 0;
 }
@@ -51,7 +56,7 @@ static int cmd_power_status(const struct shell *sh, size_t argc, char **argv)
 	if (!shell_call(sh, take_snapshot, NULL, NULL)) {
 		return -EAGAIN;
 	}
-	const struct power *const power = &now.service.actuators.power;
+	const struct power *const power = &now.actuators.power;
 
 	for (uint32_t i = 0; i < imc_map_count; i++) {
 		const struct imc_map_row *const row = &imc_map[i];
@@ -73,15 +78,22 @@ static int cmd_power_status(const struct shell *sh, size_t argc, char **argv)
 }
 
 struct power_request {
-	uint32_t channel;
+	uint8_t channel;
 	uint32_t op;
 };
 
-static int switch_power(struct command *command, void *argument)
+static int switch_power(struct pharos_device *device, void *argument)
 {
 	const struct power_request *const request = argument;
+	const struct actuators_event event = {
+		.kind = ACTUATORS_EVENT_POWER,
+		.number = request->channel,
+		.timed = {.op = request->op},
+	};
 
-	return actuation_power(command, request->channel, request->op) ? 0 : -EACCES;
+	return pharos_device_output(device, clock_now_us(), &shell_who, &event) == DEVICE_ACCEPTED
+	               ? 0
+	               : -EACCES;
 }
 
 static int power_command_of(const struct shell *sh, const char *name, uint32_t op)
@@ -138,9 +150,9 @@ static int cmd_display(const struct shell *sh, size_t argc, char **argv)
 	if (!shell_call(sh, take_snapshot, NULL, NULL)) {
 		return -EAGAIN;
 	}
-	const struct display *const display = &now.service.actuators.display;
+	const struct display *const display = &now.actuators.display;
 
-	if (!now.service.actuators.config.display) {
+	if (!now.actuators.config.display) {
 		shell_error(sh, "this board has no display");
 		return -ENODEV;
 	}
@@ -155,7 +167,7 @@ SHELL_CMD_ARG_REGISTER(display, NULL, "What stands on the display", cmd_display,
 
 static void print_row(const struct shell *sh, const struct imc_map_row *row)
 {
-	const struct actuators *const actuators = &now.service.actuators;
+	const struct actuators *const actuators = &now.actuators;
 	char text[FIXED_TEXT_MAX];
 
 	switch (row->thing) {
@@ -190,8 +202,8 @@ static int cmd_outputs(const struct shell *sh, size_t argc, char **argv)
 	if (!shell_call(sh, take_snapshot, NULL, NULL)) {
 		return -EAGAIN;
 	}
-	const struct imc_actuation *const service = &now.service;
-	const uint32_t *const outcomes = service->stats.outcomes;
+	const struct imc_actuation *const service = &imc_light_endpoint()->actuation;
+	const uint32_t *const outcomes = now.outcomes;
 
 	for (uint32_t i = 0; i < imc_map_count; i++) {
 		/* servos are PWM outputs under another number */
@@ -200,11 +212,11 @@ static int cmd_outputs(const struct shell *sh, size_t argc, char **argv)
 		}
 	}
 	shell_print(sh, "%-14s%s", "device",
-	            actuators_is_up(&service->actuators) ? "up" : "powered down");
+	            actuators_is_up(&now.actuators) ? "up" : "powered down");
 	shell_print(sh, "%-14s%u done, %u unknown, %u out of range, %u refused, %u write errors",
 	            "commands", outcomes[IMC_ACTUATION_DONE], outcomes[IMC_ACTUATION_UNKNOWN],
-	            outcomes[IMC_ACTUATION_OUT_OF_RANGE],
-	            outcomes[IMC_ACTUATION_REFUSED] + now.stats.unaimed, now.stats.errors);
+	            outcomes[IMC_ACTUATION_OUT_OF_RANGE], outcomes[IMC_ACTUATION_REFUSED],
+	            now.errors);
 	return 0;
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "threads/imc_node.h"
+#include "threads/imc_light.h"
 
 #include <zephyr/kernel.h>
 #include <zephyr/logging/log.h>
@@ -8,10 +8,11 @@
 #include <pharos/drivers/datagram.h>
 
 #include "proto/imc/endpoint.h"
-#include "threads/actuation.h"
 #include "threads/clock.h"
 #include "threads/devices.h"
+#include "threads/frames.h"
 #include "threads/imc_link.h"
+#include "threads/outputs.h"
 #include "threads/uart_link.h"
 #include "version.h"
 
@@ -21,10 +22,12 @@ LOG_MODULE_REGISTER(imc_node);
 
 #define SERVICES "imc+info://0.0.0.0/version/5.4.31;imc+udp://%u.%u.%u.%u:%u/"
 
+static struct pharos_device *device;
 static struct imc_endpoint endpoint;
 static struct imc_outbox out;
 static bool active;
-static int64_t log_us; /* the next refusal may be logged */
+static int64_t log_us; /* the next refusal of the node may be logged */
+static int64_t actuation_log_us;
 
 /* How others reach us; NULL: no datagrams, nothing to announce. */
 static const char *services(void)
@@ -42,10 +45,10 @@ static const char *services(void)
 	return text;
 }
 
-void imc_node_start(struct command *command)
+void imc_light_init(struct pharos_device *its)
 {
 	struct imc_endpoint_config config = {
-		.id = (uint16_t)command->params.values[PARAM_IMC_ID],
+		.id = (uint16_t)its->params.values[PARAM_IMC_ID],
 		.node =
 			{
 				.name = CONFIG_PHAROS_IMC_NAME,
@@ -60,26 +63,12 @@ void imc_node_start(struct command *command)
 		}
 	}
 	active = config.node.services != NULL || config.node.stream_links != 0;
-	imc_endpoint_init(&endpoint, clock_now_us(), &config, &command->params);
-	imc_endpoint_attach(&endpoint, actuation_start(command));
+	device = its;
+	imc_endpoint_init(&endpoint, clock_now_us(), &config, device);
+	imc_light_tell(&(struct device_effects){.reports = 1});
 }
 
-/* --- performing ------------------------------------------------------------------------------- */
-
-static void perform_action(struct command *command, const struct imc_action *action)
-{
-	switch (action->kind) {
-	case IMC_ACTION_ACTUATE:
-		actuation_perform(command);
-		break;
-	case IMC_ACTION_PARAMS_CHANGED:
-		command_params_changed(command, &action->changed);
-		break;
-	case IMC_ACTION_HEARD:
-		arbiter_heard(&command->arbiter, clock_now_us(), ARBITER_SOURCE_IMC);
-		break;
-	}
-}
+/* --- sending ---------------------------------------------------------------------------------- */
 
 /* Peers that share a route, as those behind a TCP server do, share a packet. */
 static void send_to_peers(const uint8_t *bytes, size_t length)
@@ -93,7 +82,7 @@ static void send_to_peers(const uint8_t *bytes, size_t length)
 	}
 }
 
-static void send(struct command *command, const struct imc_outbox_packet *packet)
+static void send(const struct imc_outbox_packet *packet)
 {
 	const uint8_t *const bytes = &out.bytes[packet->offset];
 
@@ -105,31 +94,37 @@ static void send(struct command *command, const struct imc_outbox_packet *packet
 		send_to_peers(bytes, packet->length);
 		break;
 	case IMC_TO_ANNOUNCE:
-		imc_link_announce(command->params.values[PARAM_IMC_ANNOUNCE], bytes,
-		                  packet->length);
+		imc_link_announce(device->params.values[PARAM_IMC_ANNOUNCE], bytes, packet->length);
 		break;
 	}
 }
 
-static void perform(struct command *command)
+void imc_light_flush(void)
 {
-	for (uint8_t i = 0; i < out.actions_count; i++) {
-		perform_action(command, &out.actions[i]);
-	}
 	for (uint8_t i = 0; i < out.packets_count; i++) {
-		send(command, &out.packets[i]);
+		send(&out.packets[i]);
 	}
+	out.packets_count = 0;
 }
 
-/* --- what the command thread calls ------------------------------------------------------------ */
+/* --- refusals --------------------------------------------------------------------------------- */
 
-/* The node's; those of the actuation service are logged there. */
+/* The node's, and those of the actuation service. */
 static uint32_t refusals(void)
 {
 	return endpoint.stats.malformed + endpoint.node.stats.unknown_names +
 	       endpoint.node.stats.params_refused;
 }
 
+static uint32_t actuation_refusals(void)
+{
+	const uint32_t *const outcomes = endpoint.actuation.stats.outcomes;
+
+	return outcomes[IMC_ACTUATION_UNKNOWN] + outcomes[IMC_ACTUATION_OUT_OF_RANGE] +
+	       outcomes[IMC_ACTUATION_REFUSED];
+}
+
+/* One line a second at most, of either: peers repeat themselves. */
 static void log_refusal(void)
 {
 	const struct imc_packet *const packet = &endpoint.packet;
@@ -141,48 +136,82 @@ static void log_refusal(void)
 	}
 }
 
-void imc_node_take(struct command *command, struct imc_frame *frame)
+static const char *outcome_text(enum imc_actuation_outcome outcome)
+{
+	switch (outcome) {
+	case IMC_ACTUATION_DONE:
+		break;
+	case IMC_ACTUATION_UNKNOWN:
+		return "not on this board";
+	case IMC_ACTUATION_OUT_OF_RANGE:
+		return "out of range";
+	case IMC_ACTUATION_REFUSED:
+		return "refused";
+	}
+	return "done";
+}
+
+static void log_actuation_refusal(void)
+{
+	const struct imc_actuation_refusal *const refusal = &endpoint.actuation.refusal;
+
+	if (clock_now_us() < actuation_log_us) {
+		return;
+	}
+	actuation_log_us = clock_now_us() + LOG_GAP_US;
+	if (refusal->name[0] != '\0') {
+		LOG_WRN("%s '%s': %s", imc_type_find(refusal->id)->name, refusal->name,
+		        outcome_text(refusal->outcome));
+	} else {
+		LOG_WRN("%s %u: %s", imc_type_find(refusal->id)->name, refusal->number,
+		        outcome_text(refusal->outcome));
+	}
+}
+
+/* --- what the command thread calls ------------------------------------------------------------ */
+
+void imc_light_take(const struct imc_frame *frame)
 {
 	const uint32_t before = refusals();
+	const uint32_t actuation_before = actuation_refusals();
 
-	actuation_sample();
+	endpoint.actuation.gpio_inputs = outputs_read_inputs(&device->actuators);
 	imc_endpoint_receive(&endpoint, clock_now_us(), &frame->route, frame->bytes, &out);
 	if (refusals() != before) {
 		log_refusal();
 	}
-	perform(command);
-	imc_link_frame_free(frame);
+	if (actuation_refusals() != actuation_before) {
+		log_actuation_refusal();
+	}
 }
 
-void imc_node_button(struct command *command, uint8_t button, bool pressed)
+void imc_light_button(uint8_t button, bool pressed)
 {
 	if (active) {
 		imc_endpoint_button(&endpoint, clock_now_us(), button, pressed, &out);
-		perform(command);
 	}
 }
 
-void imc_node_poll(struct command *command)
+void imc_light_tell(const struct device_effects *effects)
 {
-	if (imc_node_due_us() <= clock_now_us()) {
-		imc_endpoint_step(&endpoint, clock_now_us(), &out);
-		perform(command);
+	if (active) {
+		imc_endpoint_tell(&endpoint, clock_now_us(), effects, &out);
 	}
 }
 
-int64_t imc_node_due_us(void)
+void imc_light_step(void)
+{
+	if (imc_light_deadline_us() <= clock_now_us()) {
+		imc_endpoint_step(&endpoint, clock_now_us(), &out);
+	}
+}
+
+int64_t imc_light_deadline_us(void)
 {
 	return active ? imc_endpoint_deadline_us(&endpoint) : TIME_NEVER_US;
 }
 
-void imc_node_report(const struct illuminator *illuminator)
-{
-	if (active) {
-		imc_endpoint_report(&endpoint, illuminator);
-	}
-}
-
-const struct imc_endpoint *imc_node_endpoint(void)
+const struct imc_endpoint *imc_light_endpoint(void)
 {
 	return &endpoint;
 }

@@ -9,8 +9,8 @@
 #include "threads/can_link.h"
 #include "threads/can_node.h"
 #include "threads/devices.h"
-#include "threads/shell_call.h"
-#include "threads/shell_can.h"
+#include "threads/shell/call.h"
+#include "threads/shell/can.h"
 
 static const char *state_name(enum can_state state)
 {
@@ -45,7 +45,7 @@ void shell_can_print(const struct shell *sh)
 	            link.stats.bus_offs);
 }
 
-static int copy_status(struct command *command, void *argument)
+static int copy_status(struct pharos_device *device, void *argument)
 {
 	can_node_status_get(argument);
 	return 0;
@@ -88,8 +88,8 @@ static int cmd_can(const struct shell *sh, size_t argc, char **argv)
 	shell_print(sh, "%-14s%u opened, %u closed, %u refused; not MAVLink %u", "tunnels",
 	            now.tunnel.opened, now.tunnel.closed, now.tunnel.refused, now.tunnel.foreign);
 	shell_print(sh, "%-14s%u; applied %u, refused %u, repeated in vain %u, pan and tilt %u",
-	            "lamp commands", now.lights.commands, now.stats.applied, now.stats.refused,
-	            now.stats.unchanged, now.stats.no_gimbal);
+	            "lamp commands", now.lights.commands, now.lights.applied, now.lights.rejected,
+	            now.lights.kept, now.lights.no_gimbal);
 	shell_print(sh, "%-14s%u", "requests", now.requests);
 	return 0;
 }

@@ -10,14 +10,15 @@
 
 #include <zephyr/shell/shell.h>
 
-#include "threads/command.h"
+#include "threads/inbox.h"
 
-/* function(command, argument) has run, and *result (or NULL) is what it returned; false: there is
+/* function(device, argument) has run, and *result (or NULL) is what it returned; false: there is
  * no command thread yet, nothing has run, and the user knows. */
-static inline bool shell_call(const struct shell *sh, int (*function)(struct command *, void *),
-                              void *argument, int *result)
+static inline bool shell_call(const struct shell *sh,
+                              int (*function)(struct pharos_device *, void *), void *argument,
+                              int *result)
 {
-	const int returned = command_call(function, argument);
+	const int returned = inbox_call(function, argument);
 
 	if (returned == -EAGAIN) {
 		shell_error(sh, "the light has not started (see: startup)");

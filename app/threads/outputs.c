@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "threads/actuation.h"
+#include "threads/outputs.h"
 
-#include <errno.h>
 #include <string.h>
 
 #include <zephyr/drivers/gpio.h>
@@ -12,17 +11,13 @@
 #include <zephyr/drivers/auxdisplay.h>
 #endif
 
-#include "threads/clock.h"
 #include "threads/devices.h"
-#include "threads/gimbal_node.h"
-#include "threads/mavlink_node.h"
 #include "threads/storage.h"
 
-LOG_MODULE_REGISTER(actuation);
+LOG_MODULE_REGISTER(outputs);
 
-#define LED_FULL           255u
-#define NS_PER_US          1000u
-#define REFUSAL_LOG_GAP_US (1 * US_PER_S)
+#define LED_FULL  255u
+#define NS_PER_US 1000u
 
 /* Power channels that are on after a start until somebody saves another choice: all but aux. */
 #define POWER_DEFAULT 0x07u
@@ -34,10 +29,8 @@ _Static_assert(ACTUATOR_GPIO_OUTPUTS <= ACTUATORS_GPIOS_MAX &&
 _Static_assert(ACTUATOR_PWMS <= ACTUATORS_PWMS_MAX && ACTUATOR_LEDS <= ACTUATORS_LEDS_MAX,
                "and every PWM output and LED");
 
-static struct imc_actuation service;
 static struct actuators_outputs done; /* what the hardware does */
-static struct actuation_stats stats;
-static int64_t refusal_log_us;
+static uint32_t errors;
 
 /* --- start ------------------------------------------------------------------------------------ */
 
@@ -71,7 +64,7 @@ static void start_line(const struct gpio_dt_spec *line, gpio_flags_t flags)
 	const int error = gpio_pin_configure_dt(line, flags);
 
 	if (error != 0) {
-		stats.errors++;
+		errors++;
 		LOG_ERR("%s line %u: error %d", line->port->name, line->pin, error);
 	}
 }
@@ -89,9 +82,9 @@ static void start_lines(const struct gpio_dt_spec *lines, uint32_t present, uint
 	}
 }
 
-static struct actuators_config config_of(const struct params *params)
+void outputs_config(struct actuators_config *config)
 {
-	struct actuators_config config = {
+	*config = (struct actuators_config){
 		.power = present_lines(actuator_devices.power, ACTUATOR_POWER_CHANNELS),
 		.power_on = storage_load_power(POWER_DEFAULT),
 		.pwms = present_pwms(actuator_devices.pwms, ACTUATOR_PWMS),
@@ -103,52 +96,34 @@ static struct actuators_config config_of(const struct params *params)
 	                 present_lines(&actuator_devices.focus_out, 1) != 0,
 		.display = actuator_devices.display != NULL &&
 	                   device_is_ready(actuator_devices.display),
-		.grace_us = (int64_t)params->values[PARAM_DOWN_TIME_S] * US_PER_S,
-		.focus_travel_us = (int64_t)params->values[PARAM_ZOOM_TIME_MS] * US_PER_MS,
 	};
-
-	params_thruster(params, &config.thruster_config);
-	return config;
 }
 
-struct imc_actuation *actuation_start(struct command *command)
+void outputs_start(const struct actuators *actuators)
 {
-	const struct actuators_config config = config_of(&command->params);
-	const uint32_t focus = config.focus ? 1 : 0;
+	const struct actuators_config *const config = &actuators->config;
+	const uint32_t focus = config->focus ? 1 : 0;
 
-	imc_actuation_init(&service, clock_now_us(), &config, gimbal_node_is_active(command),
-	                   &command->illuminator, &command->arbiter);
-	done.power = service.actuators.power.on;
-	start_lines(actuator_devices.power, config.power, done.power, false);
-	start_lines(actuator_devices.gpio_outputs, config.gpio_outputs, 0, false);
-	start_lines(actuator_devices.gpio_inputs, config.gpio_inputs, 0, true);
+	done.power = actuators->power.on;
+	start_lines(actuator_devices.power, config->power, done.power, false);
+	start_lines(actuator_devices.gpio_outputs, config->gpio_outputs, 0, false);
+	start_lines(actuator_devices.gpio_inputs, config->gpio_inputs, 0, true);
 	start_lines(&actuator_devices.focus_in, focus, 0, false);
 	start_lines(&actuator_devices.focus_out, focus, 0, false);
-	actuation_perform(command);
-	return &service;
+	outputs_perform(actuators);
 }
 
-void actuation_configure(const struct params *params, const struct param_set *changed)
-{
-	if (param_set_touches(changed, PARAM_GROUP_OUTPUTS)) {
-		struct thruster_config config;
-
-		params_thruster(params, &config);
-		thruster_configure(&service.actuators.thruster, &config);
-	}
-}
-
-void actuation_sample(void)
+uint32_t outputs_read_inputs(const struct actuators *actuators)
 {
 	uint32_t levels = 0;
 
 	for (uint32_t i = 0; i < ACTUATOR_GPIO_INPUTS; i++) {
-		if ((service.actuators.config.gpio_inputs & BIT(i)) != 0 &&
+		if ((actuators->config.gpio_inputs & BIT(i)) != 0 &&
 		    gpio_pin_get_dt(&actuator_devices.gpio_inputs[i]) > 0) {
 			levels |= BIT(i);
 		}
 	}
-	service.gpio_inputs = levels;
+	return levels;
 }
 
 /* --- outputs ---------------------------------------------------------------------------------- */
@@ -157,7 +132,7 @@ void actuation_sample(void)
 static bool check(int error, const char *what)
 {
 	if (error != 0) {
-		stats.errors++;
+		errors++;
 		LOG_ERR("%s: error %d", what, error);
 	}
 	return error == 0;
@@ -276,132 +251,24 @@ static void perform_display(const struct display *wanted)
 }
 #endif
 
-static void perform_outputs(void)
+void outputs_perform(const struct actuators *actuators)
 {
 	struct actuators_outputs wanted;
 
-	actuators_outputs(&service.actuators, &wanted);
+	actuators_outputs(actuators, &wanted);
 	perform_lines(actuator_devices.power, &done.power, wanted.power, "power");
 	perform_lines(actuator_devices.gpio_outputs, &done.gpio_outputs, wanted.gpio_outputs,
 	              "GPIO");
 	perform_pwms(&wanted);
 	perform_leds(&wanted);
 	perform_motors(&wanted);
-	if (service.actuators.config.display) {
+	if (actuators->config.display) {
 		perform_display(&wanted.display);
 	}
+	storage_save_power((uint8_t)actuators->power.saved); /* if it is another one */
 }
 
-/* --- everything else -------------------------------------------------------------------------- */
-
-static void perform_lamp(const struct illuminator_outbox *actions)
+uint32_t outputs_errors(void)
 {
-	if (actions->count > 0) {
-		command_perform(actions);
-		mavlink_node_observe(actions);
-	}
-}
-
-static struct gimbal_aim aim_of(const struct command *command, uint32_t axis)
-{
-	const struct imc_aim *const aim = &service.effects.aim[axis];
-
-	switch (aim->kind) {
-	case IMC_AIM_KEEP:
-		break;
-	case IMC_AIM_ANGLE:
-		return (struct gimbal_aim){.kind = GIMBAL_ANGLE, .value = aim->value};
-	case IMC_AIM_RATE:
-		return (struct gimbal_aim){
-			.kind = GIMBAL_RATE,
-			.value = gimbal_node_share_rate(command, (enum gimbal_axis_id)axis,
-		                                        aim->value),
-		};
-	}
-	return (struct gimbal_aim){.kind = GIMBAL_KEEP};
-}
-
-_Static_assert((int)IMC_AXIS_PAN == (int)GIMBAL_PAN && (int)IMC_AXIS_TILT == (int)GIMBAL_TILT,
-               "the axes have the same numbers");
-
-static void perform_aim(struct command *command)
-{
-	const struct gimbal_event event = {
-		.kind = GIMBAL_EVENT_AIM,
-		.aim = {aim_of(command, GIMBAL_PAN), aim_of(command, GIMBAL_TILT)},
-	};
-	enum gimbal_result result = GIMBAL_ABSENT;
-
-	if (event.aim[GIMBAL_PAN].kind == GIMBAL_KEEP &&
-	    event.aim[GIMBAL_TILT].kind == GIMBAL_KEEP) {
-		return;
-	}
-	if (command_point(command, ARBITER_SOURCE_IMC, &event, &result) != ARBITER_GRANTED ||
-	    result != GIMBAL_ACCEPTED) {
-		stats.unaimed++;
-	}
-}
-
-static const char *outcome_text(enum imc_actuation_outcome outcome)
-{
-	switch (outcome) {
-	case IMC_ACTUATION_DONE:
-		break;
-	case IMC_ACTUATION_UNKNOWN:
-		return "not on this board";
-	case IMC_ACTUATION_OUT_OF_RANGE:
-		return "out of range";
-	case IMC_ACTUATION_REFUSED:
-		return "refused";
-	}
-	return "done";
-}
-
-/* One line a second at most: peers repeat themselves. */
-static void log_refusal(void)
-{
-	const struct imc_actuation_refusal *const refusal = &service.refusal;
-
-	if (refusal->outcome == IMC_ACTUATION_DONE || clock_now_us() < refusal_log_us) {
-		return;
-	}
-	refusal_log_us = clock_now_us() + REFUSAL_LOG_GAP_US;
-	if (refusal->name[0] != '\0') {
-		LOG_WRN("%s '%s': %s", imc_type_find(refusal->id)->name, refusal->name,
-		        outcome_text(refusal->outcome));
-	} else {
-		LOG_WRN("%s %u: %s", imc_type_find(refusal->id)->name, refusal->number,
-		        outcome_text(refusal->outcome));
-	}
-}
-
-void actuation_perform(struct command *command)
-{
-	perform_lamp(&service.effects.command);
-	perform_lamp(&service.effects.power);
-	perform_aim(command);
-	perform_outputs();
-	storage_save_power((uint8_t)service.actuators.power.saved); /* if it is another one */
-	log_refusal();
-}
-
-/* --- for the shell ---------------------------------------------------------------------------- */
-
-const struct imc_actuation *actuation_service(void)
-{
-	return &service;
-}
-
-struct actuation_stats actuation_stats_get(void)
-{
-	return stats;
-}
-
-bool actuation_power(struct command *command, uint32_t channel, uint32_t op)
-{
-	const bool switched =
-		imc_actuation_power(&service, clock_now_us(), ARBITER_SOURCE_SHELL, channel, op);
-
-	actuation_perform(command);
-	return switched;
+	return errors;
 }

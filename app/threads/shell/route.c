@@ -7,17 +7,17 @@
 #include <zephyr/shell/shell.h>
 
 #include "threads/clock.h"
-#include "threads/fixed.h"
-#include "threads/link.h"
+#include "threads/links.h"
 #include "threads/mavlink_node.h"
-#include "threads/shell_call.h"
+#include "threads/shell/call.h"
+#include "threads/shell/fixed.h"
 
 #define MS_DECIMALS 3
 
 /* Too large for the shell's stack; the shell's thread only. */
 static struct mavlink_router router;
 
-static int copy_router(struct command *command, void *argument)
+static int copy_router(struct pharos_device *device, void *argument)
 {
 	router = mavlink_node_endpoint()->router;
 	return 0;
@@ -43,7 +43,7 @@ static int cmd_route(const struct shell *sh, size_t argc, char **argv)
 
 		fixed_format(text, (now_us - route->heard_us) / US_PER_MS, MS_DECIMALS);
 		shell_print(sh, "%3u/%-11u%s, %s s ago", route->system_id, route->component_id,
-		            link_name(route->link), text);
+		            links_name(route->link), text);
 	}
 	return 0;
 }

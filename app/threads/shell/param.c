@@ -7,8 +7,10 @@
 
 #include <zephyr/shell/shell.h>
 
-#include "threads/fixed.h"
-#include "threads/shell_call.h"
+#include "threads/clock.h"
+#include "threads/shell/call.h"
+#include "threads/shell/fixed.h"
+#include "threads/shell/say.h"
 
 static void print_param(const struct shell *sh, const struct params *params, uint32_t index)
 {
@@ -20,14 +22,13 @@ static void print_param(const struct shell *sh, const struct params *params, uin
 	            (info->flags & PARAM_FLAG_READ_ONLY) != 0 ? ", read-only" : "", info->meaning);
 }
 
-static int copy_params(struct command *command, void *argument)
+static int copy_params(struct pharos_device *device, void *argument)
 {
-	*(struct params *)argument = command->params;
+	*(struct params *)argument = device->params;
 	return 0;
 }
 
-/* Those whose name begins with the word; how many there were. */
-/* How many, or -EAGAIN. */
+/* Those whose name begins with the word; how many there were, or -EAGAIN. */
 static int print_matching(const struct shell *sh, const char *word)
 {
 	struct params params;
@@ -67,12 +68,13 @@ struct param_request {
 	enum params_result result;
 };
 
-static int set_param(struct command *command, void *argument)
+static int set_param(struct pharos_device *device, void *argument)
 {
 	struct param_request *const request = argument;
 
-	request->result =
-		command_set_param(command, request->name, strlen(request->name), request->value);
+	request->result = pharos_device_set_param(device, clock_now_us(), &shell_who,
+	                                          params_find(request->name, strlen(request->name)),
+	                                          request->value);
 	return 0;
 }
 
@@ -109,9 +111,9 @@ static int cmd_param_set(const struct shell *sh, size_t argc, char **argv)
 	return -EINVAL;
 }
 
-static int reset_params(struct command *command, void *argument)
+static int reset_params(struct pharos_device *device, void *argument)
 {
-	command_reset_params(command);
+	pharos_device_reset_params(device, clock_now_us(), &shell_who);
 	return 0;
 }
 

@@ -7,24 +7,22 @@
 #include <zephyr/shell/shell.h>
 
 #include "threads/clock.h"
-#include "threads/fixed.h"
 #include "threads/mavlink_node.h"
-#include "threads/shell_call.h"
-
-#define MDEG_DECIMALS 3
+#include "threads/servos.h"
+#include "threads/shell/call.h"
+#include "threads/shell/fixed.h"
+#include "threads/shell/say.h"
 
 struct point_request {
 	struct gimbal_event event;
-	enum gimbal_result result;
-	enum arbiter_verdict verdict;
+	enum device_result result;
 };
 
-static int point(struct command *command, void *argument)
+static int point(struct pharos_device *device, void *argument)
 {
 	struct point_request *const request = argument;
 
-	request->verdict =
-		command_point(command, ARBITER_SOURCE_SHELL, &request->event, &request->result);
+	request->result = pharos_device_point(device, clock_now_us(), &shell_who, &request->event);
 	return 0;
 }
 
@@ -36,26 +34,23 @@ static int gimbal_command(const struct shell *sh, const struct gimbal_event *eve
 	if (!shell_call(sh, point, &request, NULL)) {
 		return -EAGAIN;
 	}
-	if (request.verdict == ARBITER_EXCLUDED) {
-		shell_error(sh, "the shell may not command (see: param get LGT_SRC_EXCL)");
-		return -EACCES;
-	}
-	if (request.verdict == ARBITER_OUTRANKED) {
-		shell_error(sh, "not now: another source is in command (see: gimbal status)");
-		return -EBUSY;
-	}
 	switch (request.result) {
-	case GIMBAL_ACCEPTED:
+	case DEVICE_ACCEPTED:
 		shell_print(sh, "ok");
 		return 0;
-	case GIMBAL_DENIED:
+	case DEVICE_DENIED:
 		shell_error(sh, "out of range; nothing changed (-360 to 360 degrees)");
 		return -EINVAL;
-	case GIMBAL_ABSENT:
+	case DEVICE_ABSENT:
 		shell_error(sh, "there is no gimbal (see: param get GMB_ENABLE)");
 		return -ENODEV;
+	case DEVICE_EXCLUDED:
+	case DEVICE_OUTRANKED:
+	case DEVICE_FAILED:
+	case DEVICE_KEPT:
+		break;
 	}
-	return -EINVAL;
+	return say_refused(sh, request.result, "gimbal status");
 }
 
 static int aim(const struct shell *sh, enum gimbal_axis_id axis, char **argv)
@@ -97,15 +92,21 @@ static int cmd_gimbal_retract(const struct shell *sh, size_t argc, char **argv)
 }
 
 struct status {
-	struct gimbal_node node;
+	bool has_gimbal;
+	struct gimbal gimbal;
+	enum arbiter_source commander;
+	uint32_t servo_errors;
 	struct mavlink_gimbal_stats mavlink;
 };
 
-static int copy_status(struct command *command, void *argument)
+static int copy_status(struct pharos_device *device, void *argument)
 {
 	struct status *const status = argument;
 
-	status->node = command->gimbal;
+	status->has_gimbal = device->has_gimbal;
+	status->gimbal = device->gimbal;
+	status->commander = device->gimbal_arbiter.commander;
+	status->servo_errors = servos_errors();
 	status->mavlink = *mavlink_node_gimbal_stats();
 	return 0;
 }
@@ -123,17 +124,17 @@ static void print_axis(const struct shell *sh, const char *label, int32_t mdeg, 
 static int cmd_gimbal_status(const struct shell *sh, size_t argc, char **argv)
 {
 	struct status status;
-	const struct gimbal_node *const node = &status.node;
+	const struct gimbal *const gimbal = &status.gimbal;
 
 	if (!shell_call(sh, copy_status, &status, NULL)) {
 		return -EAGAIN;
 	}
-	if (!node->active) {
+	if (!status.has_gimbal) {
 		shell_error(sh, "there is no gimbal (see: param get GMB_ENABLE)");
 		return -ENODEV;
 	}
 
-	const struct gimbal_report report = gimbal_report(&node->gimbal, clock_now_us());
+	const struct gimbal_report report = gimbal_report(gimbal, clock_now_us());
 	char heading[FIXED_TEXT_MAX];
 
 	fixed_format(heading, report.heading_mdeg, MDEG_DECIMALS);
@@ -145,12 +146,12 @@ static int cmd_gimbal_status(const struct shell *sh, size_t argc, char **argv)
 	if (report.attitude_lost) {
 		shell_print(sh, "%-14sholds still without the vehicle's attitude", "");
 	}
-	shell_print(sh, "%-14s%s", "commander", arbiter_source_name(node->arbiter.commander));
+	shell_print(sh, "%-14s%s", "commander", arbiter_source_name(status.commander));
 	shell_print(sh, "%-14s%s, %u errors", "servos", report.fault ? "FAULT" : "ok",
-	            node->servo_errors);
+	            status.servo_errors);
 	shell_print(sh, "%-14s%u; refused %u, rates ended %u, attitude lost %u", "commands",
-	            node->gimbal.stats.accepted, node->gimbal.stats.denied,
-	            node->gimbal.stats.rate_timeouts, node->gimbal.stats.attitude_losses);
+	            gimbal->stats.accepted, gimbal->stats.denied, gimbal->stats.rate_timeouts,
+	            gimbal->stats.attitude_losses);
 	shell_print(sh, "%-14s%u set, %u refused, %u without meaning, %u not of the manager",
 	            "mavlink", status.mavlink.set, status.mavlink.refused, status.mavlink.bad,
 	            status.mavlink.foreign);

@@ -8,40 +8,31 @@
 #include <zephyr/shell/shell.h>
 
 #include "threads/clock.h"
-#include "threads/fixed.h"
-#include "threads/shell_call.h"
+#include "threads/shell/call.h"
+#include "threads/shell/fixed.h"
+#include "threads/shell/say.h"
 
-#define PPM_PER_PERCENT_DECIMALS 4 /* 1 % = 10 000 ppm */
-#define POLL_MS                  50
+#define LAMP    0
+#define POLL_MS 50
 
 struct request {
 	uint32_t peak_ppm;
 	enum self_test_state obstacle;
-	enum arbiter_verdict verdict;
-	enum illuminator_result result;
+	enum device_result result;
 };
 
-/* In the command thread; 1: it runs. */
-static int begin(struct command *command, void *argument)
+static int begin(struct pharos_device *device, void *argument)
 {
 	struct request *const request = argument;
-	const struct illuminator_event first = self_test_first();
 
-	request->obstacle = self_test_obstacle(&command->self_test, &command->illuminator);
-	if (request->obstacle != SELF_TEST_NONE) {
-		return 0;
-	}
-	request->verdict = command_apply(command, ARBITER_SOURCE_SHELL, &first, &request->result);
-	if (request->verdict != ARBITER_GRANTED || request->result != ILLUMINATOR_ACCEPTED) {
-		return 0;
-	}
-	self_test_begin(&command->self_test, clock_now_us(), request->peak_ppm);
-	return 1;
+	request->result = pharos_device_test(device, clock_now_us(), &shell_who, LAMP,
+	                                     request->peak_ppm, &request->obstacle);
+	return 0;
 }
 
-static int state(struct command *command, void *argument)
+static int state(struct pharos_device *device, void *argument)
 {
-	return (int)command->self_test.state;
+	return (int)device->lamps[LAMP].self_test.state;
 }
 
 static int parse_peak(const struct shell *sh, const char *text, uint32_t *peak_ppm)
@@ -76,16 +67,14 @@ static int cmd_selftest(const struct shell *sh, size_t argc, char **argv)
 	if (error != 0) {
 		return error;
 	}
-	if (!shell_call(sh, begin, &request, &answer)) {
+	if (!shell_call(sh, begin, &request, NULL)) {
 		return -EAGAIN;
 	}
-	if (answer == 0) {
-		if (request.obstacle == SELF_TEST_NONE) {
-			shell_error(sh,
-			            "not now: another source is in command (see: light status)");
-			return -EBUSY;
-		}
+	if (request.obstacle != SELF_TEST_NONE) {
 		return say_end(sh, request.obstacle);
+	}
+	if (request.result != DEVICE_ACCEPTED) {
+		return say_refused(sh, request.result, "light status");
 	}
 	do {
 		k_msleep(POLL_MS);
