@@ -16,8 +16,12 @@ from .errors import (
     UrlError,
     UsageError,
 )
+from .find import Found, find_lights
+from .ftp import FileClient, FileError
 from .light import Information, Light, Status
 from .link import Link, Pacer, Port, RealPacer, open_link
+from .parameters import Parameter, ParameterError, Parameters
+from .session import connect
 from .sim import Edge, Simulator, Tunnel, Wire
 from .vcd import Signal, read_vcd
 
@@ -25,12 +29,18 @@ __all__ = [
     "CommandError",
     "DialectError",
     "Edge",
+    "FileClient",
+    "FileError",
+    "Found",
     "Information",
     "Light",
     "Link",
     "LinkError",
     "MavlinkConnection",
     "Pacer",
+    "Parameter",
+    "ParameterError",
+    "Parameters",
     "PharosError",
     "Port",
     "RealPacer",
@@ -46,7 +56,9 @@ __all__ = [
     "UrlError",
     "UsageError",
     "Wire",
+    "connect",
     "find_dialect",
+    "find_lights",
     "load_dialect",
     "open_link",
     "read_vcd",

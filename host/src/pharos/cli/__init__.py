@@ -8,15 +8,14 @@ import io
 import logging
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from importlib.metadata import PackageNotFoundError, version
 
-from ..connection import MavlinkConnection, Target, signing_time
-from ..dialect import load_dialect
+from ..connection import Target
 from ..errors import PharosError, UsageError
 from ..light import Light
-from ..link import RealPacer, open_link
+from ..session import connect
 from .key import read_key, run_signing
 from .shell import (
     COMMANDS,
@@ -522,17 +521,10 @@ def _run_check(args: argparse.Namespace, printer: Printer) -> int:
     return run_check(args, printer)
 
 
-@contextmanager
-def _light(args: argparse.Namespace) -> Iterator[Light]:
+def _light(args: argparse.Namespace) -> AbstractContextManager[Light]:
     """The light that URL, --target, --timeout and --key-file name."""
     key = read_key(args.key_file)
-    with open_link(args.url) as link:
-        connection = MavlinkConnection(link, RealPacer([link]), load_dialect())
-        if key:
-            connection.sign(key, signing_time())
-        light = Light(connection)
-        light.find(round(args.timeout * 1e6), args.target)
-        yield light
+    return connect(args.url, target=args.target, key=key, timeout_s=args.timeout)
 
 
 def _run_plain(args: argparse.Namespace, printer: Printer) -> int:
