@@ -2,11 +2,9 @@
 #include "host/control.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -15,6 +13,8 @@
 #include "host/clock.h"
 #include "host/loop.h"
 #include "host/module.h"
+#include "host/named_socket.h"
+#include "host/say.h"
 #include "kernel/port.h"
 
 enum {
@@ -22,6 +22,7 @@ enum {
 	INPUT_MAX = 4 * CONTROL_LINE_MAX, /* read ahead of what has been run */
 	OUTPUT_MAX = 16 << 20,            /* a client that asks and never reads is dropped */
 	ID_MAX = 128,
+	ACCEPT_AGAIN_MS = 1000, /* out of descriptors: rather than spin */
 };
 
 struct client {
@@ -45,6 +46,8 @@ struct client_carried {
 
 static const char *path;
 static struct loop_source listener;
+static struct loop_timer listen_again;
+static struct named_socket own;
 static struct client clients[CLIENTS_MAX];
 static unsigned int next_client; /* turns */
 static bool maybe_lines;
@@ -58,6 +61,7 @@ static struct {
 	bool pending;
 	int pending_client; /* -1: it has gone */
 	char pending_id[ID_MAX];
+	bool is_deaf; /* no client can be taken, which was told */
 } state;
 
 /* --- output --------------------------------------------------------------------------------------
@@ -383,14 +387,35 @@ static void add_client(struct client *client, int fd)
 	loop_add(&client->source, EPOLLIN);
 }
 
+static void stop_listening(int error)
+{
+	if (!state.is_deaf) {
+		host_say("--control: no more clients for now: %s", strerror(error));
+	}
+	state.is_deaf = true;
+	state.errors++;
+	loop_want(&listener, 0);
+	loop_timer_start(&listen_again, ACCEPT_AGAIN_MS);
+}
+
+static void on_listen_again(struct loop_timer *timer)
+{
+	(void)timer;
+	loop_want(&listener, EPOLLIN);
+}
+
 static void on_client(struct loop_source *source, uint32_t events)
 {
 	const int fd = accept4(source->fd, NULL, NULL, SOCK_CLOEXEC | SOCK_NONBLOCK);
 
 	(void)events;
 	if (fd < 0) {
+		if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED) {
+			stop_listening(errno);
+		}
 		return;
 	}
+	state.is_deaf = false;
 	for (int i = 0; i < CLIENTS_MAX; i++) {
 		if (!clients[i].open) {
 			clients[i].ended = false;
@@ -403,31 +428,6 @@ static void on_client(struct loop_source *source, uint32_t events)
 	close(fd);
 }
 
-static int open_listener(void)
-{
-	struct sockaddr_un address = {.sun_family = AF_UNIX};
-	struct stat status;
-	int fd;
-
-	if (lstat(path, &status) == 0) {
-		if (!S_ISSOCK(status.st_mode)) {
-			errno = EEXIST;
-			return -1;
-		}
-		unlink(path); /* left by an earlier run */
-	}
-	strcpy(address.sun_path, path);
-	fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-	if (fd < 0 || bind(fd, (const struct sockaddr *)&address, sizeof(address)) != 0 ||
-	    listen(fd, CLIENTS_MAX) != 0) {
-		if (fd >= 0) {
-			close(fd);
-		}
-		return -1;
-	}
-	return fd;
-}
-
 /* --- carried over a reset ------------------------------------------------------------------------
  */
 
@@ -436,8 +436,9 @@ static void save(void)
 	if (path == NULL) {
 		return;
 	}
-	carry_put("control/listener", &listener.fd, sizeof(listener.fd));
-	carry_fd(listener.fd);
+	carry_put("control/name", &own, sizeof(own));
+	carry_fd(own.fd);
+	carry_fd(own.claim);
 	for (int i = 0; i < CLIENTS_MAX; i++) {
 		struct client *client = &clients[i];
 		const struct client_carried carried = {
@@ -494,32 +495,36 @@ static int start(void)
 {
 	size_t size;
 	const void *old;
+	int error = 0;
 
 	if (path == NULL) {
 		return 0;
 	}
 	carry_register("control", &state, sizeof(state));
-	old = carry_get("control/listener", &size);
-	if (old != NULL && size == sizeof(listener.fd)) {
-		memcpy(&listener.fd, old, size);
+	old = carry_get("control/name", &size);
+	if (old != NULL && size == sizeof(own)) {
+		memcpy(&own, old, size);
 		for (int i = 0; i < CLIENTS_MAX; i++) {
 			restore_client(i);
 		}
 	} else {
-		listener.fd = open_listener();
+		error = named_socket_open(&own, path, CLIENTS_MAX);
 	}
-	if (listener.fd < 0) {
-		fprintf(stderr, "pharos: --control %s: %s\n", path, strerror(errno));
+	if (error != 0) {
+		host_say("--control: %s: %s", path,
+		         error == -EADDRINUSE ? "another light has it" : strerror(-error));
 		return -1;
 	}
+	listener.fd = own.fd;
 	listener.ready = on_client;
+	listen_again.fire = on_listen_again;
 	loop_add(&listener, EPOLLIN);
 	return 0;
 }
 
 static void stop(void)
 {
-	if (path == NULL || listener.fd < 0) {
+	if (path == NULL) {
 		return;
 	}
 	for (int i = 0; i < CLIENTS_MAX; i++) {
@@ -528,8 +533,8 @@ static void stop(void)
 		}
 	}
 	loop_remove(&listener);
-	close(listener.fd);
-	unlink(path);
+	loop_timer_stop(&listen_again);
+	named_socket_close(&own, path);
 }
 
 static int parse_control(const char *value, struct host_error *error)

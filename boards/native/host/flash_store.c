@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "host/carry.h"
+#include "host/claim.h"
 #include "host/control.h"
 #include "host/module.h"
 #include "host/say.h"
@@ -97,6 +98,12 @@ static int open_store(void)
 	return open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0644);
 }
 
+static int fail(const char *reason)
+{
+	host_say("--flash: %s: %s", path == NULL ? "memory" : path, reason);
+	return -1;
+}
+
 static void boot(void)
 {
 	static const struct bootloader_slots slots = {
@@ -123,15 +130,15 @@ static void boot(void)
 static int start(void)
 {
 	fd = open_store();
+	if (fd >= 0 && claim_file(fd) != 0) {
+		return fail("another light has it");
+	}
 	if (fd < 0 || ftruncate(fd, FLASH_STORE_SIZE) != 0) {
-		fprintf(stderr, "pharos: --flash: %s: %s\n", path == NULL ? "memory" : path,
-		        strerror(errno));
-		return -1;
+		return fail(strerror(errno));
 	}
 	flash.inverted = mmap(NULL, FLASH_STORE_SIZE, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
 	if (flash.inverted == MAP_FAILED) {
-		fprintf(stderr, "pharos: --flash: %s\n", strerror(errno));
-		return -1;
+		return fail(strerror(errno));
 	}
 	boot();
 	return 0;

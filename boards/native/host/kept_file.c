@@ -8,9 +8,10 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "host/claim.h"
 
 enum {
 	MODE = 0600,
@@ -25,12 +26,6 @@ static bool is_current(const char *path, int fd)
 
 	return fstat(fd, &own) == 0 && lstat(path, &named) == 0 && own.st_dev == named.st_dev &&
 	       own.st_ino == named.st_ino;
-}
-
-/* 0; EWOULDBLOCK: another process has it. A file system without locks has nothing to say. */
-static int lock(int fd)
-{
-	return flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK ? EWOULDBLOCK : 0;
 }
 
 static const char *reason_of(int error)
@@ -58,7 +53,7 @@ static int open_once(const char *path)
 	if (fd < 0) {
 		return -errno;
 	}
-	error = fstat(fd, &status) != 0 ? errno : S_ISREG(status.st_mode) ? lock(fd) : EINVAL;
+	error = fstat(fd, &status) != 0 ? errno : S_ISREG(status.st_mode) ? claim_file(fd) : EINVAL;
 	if (error != 0) {
 		close(fd);
 		return -error;
@@ -176,7 +171,7 @@ int kept_file_replace(struct kept_file *self, const void *data, size_t length, b
 		rc = -EIO;
 	}
 	if (rc == 0) {
-		rc = -lock(fd);
+		rc = -claim_file(fd);
 	}
 	if (rc == 0 && rename(path, self->path) != 0) {
 		rc = -errno;

@@ -335,7 +335,9 @@ static int start(void)
 	source_count = 0;
 	sigaction(SIGINT, &action, NULL);
 	sigaction(SIGTERM, &action, NULL);
+	/* A write says so itself: its reader has gone, or the file is as large as it may be. */
 	signal(SIGPIPE, SIG_IGN);
+	signal(SIGXFSZ, SIG_IGN);
 	/* Strobe edges in real time: the default slack of 50 us would be visible. */
 	prctl(PR_SET_TIMERSLACK, 1ul);
 	return 0;

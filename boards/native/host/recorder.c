@@ -4,8 +4,6 @@
  * with a time scale of 1 us of board time. It goes on over resets. In real time a disk that is too
  * slow loses changes: a comment says so, in their place, and all values follow.
  */
-#include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -14,6 +12,7 @@
 #include <unistd.h>
 
 #include "host/carry.h"
+#include "host/claim.h"
 #include "host/clock.h"
 #include "host/module.h"
 #include "host/say.h"
@@ -209,14 +208,14 @@ static int parse_record(const char *value, struct host_error *error)
 
 static int start(void)
 {
+	struct host_error error;
+
 	if (path == NULL) {
 		return 0;
 	}
-	sink.fd = open(path,
-	               O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | (carry_is_reset() ? 0 : O_TRUNC),
-	               0644);
+	sink.fd = claim_output(path, !carry_is_reset(), &error);
 	if (sink.fd < 0) {
-		fprintf(stderr, "pharos: --record: %s: %s\n", path, strerror(errno));
+		host_say("--record: %s", error.text);
 		return -1;
 	}
 	lines = board_lines_read();

@@ -4,8 +4,6 @@
  * <value>". In virtual time the same seed and the same inputs give the same file. In real time a
  * disk that is too slow loses events, in whole lines: "lost trace N" says how many, in their place.
  */
-#include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -13,6 +11,7 @@
 #include <unistd.h>
 
 #include "host/carry.h"
+#include "host/claim.h"
 #include "host/clock.h"
 #include "host/module.h"
 #include "host/say.h"
@@ -125,15 +124,15 @@ static int parse_trace(const char *value, struct host_error *error)
 
 static int start(void)
 {
+	struct host_error error;
+
 	if (path == NULL) {
 		return 0;
 	}
 	/* Appending, so that the events after a reset follow those before it. */
-	sink.fd = open(path,
-	               O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | (carry_is_reset() ? 0 : O_TRUNC),
-	               0644);
+	sink.fd = claim_output(path, !carry_is_reset(), &error);
 	if (sink.fd < 0) {
-		fprintf(stderr, "pharos: --trace: %s: %s\n", path, strerror(errno));
+		host_say("--trace: %s", error.text);
 		return -1;
 	}
 	return 0;

@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "host/carry.h"
+#include "host/claim.h"
 #include "host/options.h"
 #include "host/stream.h"
 
@@ -26,7 +27,11 @@ struct tty {
 	char path[WIRE_URL_MAX]; /* of the link, or of the device */
 	uint32_t baud;
 	struct stream stream;
-	int master; /* pty; 0: none. The stream has a copy while somebody has the slave open. */
+	struct tty_carried {
+		int master; /* pty; 0: none. The stream has a copy while the slave is open. */
+		int claim;  /* on the link; 0: none */
+		char slave[32];
+	} kept;
 	struct loop_timer slave_timer;
 };
 
@@ -65,14 +70,15 @@ static void pause_reading(struct wire *wire, bool paused)
 static void look_for_slave(struct wire *wire)
 {
 	struct tty *tty = wire->state;
-	struct pollfd poll_fd = {.fd = tty->master, .events = POLLIN};
+	struct pollfd poll_fd = {.fd = tty->kept.master, .events = POLLIN};
 
-	if (tty->master == 0 || tty->stream.open) {
+	if (tty->kept.master == 0 || tty->stream.open) {
 		return;
 	}
 	if (poll(&poll_fd, 1, 0) >= 0 && (poll_fd.revents & POLLHUP) == 0) {
 		loop_timer_stop(&tty->slave_timer);
-		stream_open(&tty->stream, fcntl(tty->master, F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
+		stream_open(&tty->stream,
+		            fcntl(tty->kept.master, F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
 	} else {
 		loop_timer_start(&tty->slave_timer, SLAVE_POLL_MS);
 	}
@@ -90,10 +96,30 @@ static void on_slave_closed(struct stream *stream, int error)
 	look_for_slave(stream->wire);
 }
 
+/* Before the link of another light would be taken for one that was left. */
+static bool claim_link(struct tty *tty)
+{
+	if (tty->kept.claim == 0) {
+		const int claim = claim_name(tty->path);
+
+		tty->kept.claim = claim < 0 ? 0 : claim;
+	}
+	return tty->kept.claim != 0;
+}
+
+static void remove_link(const struct tty *tty)
+{
+	char target[sizeof(tty->kept.slave)] = "";
+
+	if (readlink(tty->path, target, sizeof(target) - 1) > 0 &&
+	    strcmp(target, tty->kept.slave) == 0) {
+		unlink(tty->path);
+	}
+}
+
 static int open_pty(struct tty *tty)
 {
 	struct termios settings;
-	char slave_path[64];
 	struct stat status;
 	int master;
 	int slave;
@@ -104,7 +130,7 @@ static int open_pty(struct tty *tty)
 	tcgetattr(slave, &settings);
 	cfmakeraw(&settings);
 	tcsetattr(slave, TCSANOW, &settings);
-	ttyname_r(slave, slave_path, sizeof(slave_path));
+	ttyname_r(slave, tty->kept.slave, sizeof(tty->kept.slave));
 	close(slave);
 	fcntl(master, F_SETFD, FD_CLOEXEC);
 	fcntl(master, F_SETFL, O_RDWR | O_NONBLOCK);
@@ -112,7 +138,7 @@ static int open_pty(struct tty *tty)
 	if (lstat(tty->path, &status) == 0 && S_ISLNK(status.st_mode)) {
 		unlink(tty->path);
 	}
-	if (symlink(slave_path, tty->path) != 0) {
+	if (symlink(tty->kept.slave, tty->path) != 0) {
 		const int error = errno;
 
 		close(master);
@@ -135,15 +161,15 @@ static void pty_start(struct wire *wire)
 	tty->slave_timer.owner = wire;
 	snprintf(name, sizeof(name), "wire/%s/master", wire->name);
 	old = carry_get(name, &size);
-	if (old != NULL && size == sizeof(tty->master)) {
-		memcpy(&tty->master, old, size);
+	if (old != NULL && size == sizeof(tty->kept)) {
+		memcpy(&tty->kept, old, size);
 		carry_name(name, sizeof(name), wire);
 		stream_restore(&tty->stream, name);
 	} else {
-		tty->master = open_pty(tty);
+		tty->kept.master = claim_link(tty) ? open_pty(tty) : -1;
 	}
-	if (tty->master < 0) {
-		tty->master = 0;
+	if (tty->kept.master < 0) {
+		tty->kept.master = 0;
 		wire_error(wire, "open", errno);
 		wire_retry(wire);
 		return;
@@ -158,10 +184,10 @@ static void pty_stop(struct wire *wire)
 
 	loop_timer_stop(&tty->slave_timer);
 	stream_close(&tty->stream);
-	if (tty->master != 0) {
-		unlink(tty->path);
-		close(tty->master);
-		tty->master = 0;
+	if (tty->kept.master != 0) {
+		remove_link(tty);
+		close(tty->kept.master);
+		tty->kept.master = 0;
 	}
 }
 
@@ -170,12 +196,13 @@ static void pty_save(struct wire *wire)
 	struct tty *tty = wire->state;
 	char name[48];
 
-	if (tty->master == 0) {
+	if (tty->kept.master == 0) {
 		return;
 	}
 	snprintf(name, sizeof(name), "wire/%s/master", wire->name);
-	carry_put(name, &tty->master, sizeof(tty->master));
-	carry_fd(tty->master);
+	carry_put(name, &tty->kept, sizeof(tty->kept));
+	carry_fd(tty->kept.master);
+	carry_fd(tty->kept.claim);
 	carry_name(name, sizeof(name), wire);
 	stream_save(&tty->stream, name);
 }
@@ -283,7 +310,7 @@ static void serial_start(struct wire *wire)
 		return;
 	}
 	fd = open(tty->path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-	error = fd < 0 ? -errno : apply_baud(fd, tty->baud);
+	error = fd < 0 ? -errno : claim_file(fd) != 0 ? -EBUSY : apply_baud(fd, tty->baud);
 	if (error != 0) {
 		wire_error(wire, "open", -error);
 		wire_retry(wire);
