@@ -19,7 +19,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "tests" / "linux"))
+sys.path[:0] = [str(ROOT / "tests" / "linux"), str(ROOT / "tests" / "qemu")]
+
+import images  # noqa: E402
 
 import guest  # noqa: E402
 
@@ -97,9 +99,9 @@ def ctest(preset: str) -> Outcome:
     return Outcome(total - failed, max(failed, int(code != 0)), replay)
 
 
-def pytest(preset: str, *where: str) -> Outcome:
+def pytest(preset: str, *where: str, **env: str) -> Outcome:
     command: list[str | Path] = [VENV / "python", "-m", "pytest", "-q", "-n", str(CORES), *where]
-    code, output = run(*command, env={"PHAROS_BUILD": str(ROOT / "build" / preset)})
+    code, output = run(*command, env={"PHAROS_BUILD": str(ROOT / "build" / preset), **env})
     passed = re.search(r"(\d+) passed", output)
     failed = sum(int(n) for n in re.findall(r"(\d+) (?:failed|errors?)\b", output.splitlines()[-1]))
     if passed is None or code != 0:
@@ -159,11 +161,45 @@ def fuzz(args: argparse.Namespace) -> Outcome:
     return outcome
 
 
+def zephyr(_: argparse.Namespace) -> Outcome:
+    """Upstream Zephyr, where a tree of it is at hand: twister, every image and its budget, and what
+    runs in QEMU."""
+    base = os.environ.get("ZEPHYR_BASE")
+    if base is None:
+        return Outcome(note="left out, not run: ZEPHYR_BASE names no Zephyr tree (docs/boards.md)")
+    version = images.zephyr_version(Path(base))
+    again = f"ZEPHYR_BASE={base} tests/run.py zephyr"
+    outcome = Outcome()
+    for name in images.TARGETS:
+        outcome += check(VENV / "python", "tests/qemu/images.py", name)
+    for name, where in images.IN_QEMU.items():
+        elf = images.folder(name) / "zephyr" / "zephyr.elf"
+        outcome += pytest("native", *where, PHAROS_QEMU_IMAGE=str(elf))
+    twister: list[str | Path] = [
+        Path(base) / "scripts" / "twister",
+        "-T",
+        ".",
+        "-A",
+        "boards",
+        "--force-toolchain",
+    ]
+    twister += ["-O", images.folder("twister"), "--clobber-output", "--inline-logs"]
+    for board in dict.fromkeys(target.board for target in images.TARGETS.values()):
+        twister += ["-p", images.board_name(board, version)]
+    code, output = run(*twister, env=images.environment("arm"))
+    counts = re.search(r"(\d+) of (\d+) (?:executed )?test configurations passed", output)
+    if counts is None:
+        return outcome + Outcome(failed=1, replay=again)
+    passed, total = int(counts[1]), int(counts[2])
+    return outcome + Outcome(passed, max(total - passed, int(code != 0)), again if code else "")
+
+
 STAGES: dict[str, Callable[[argparse.Namespace], Outcome]] = {
     "lint": lint,
     "native": lambda _: suite("native"),
     "linux": linux,
     "budget": budget,
+    "zephyr": zephyr,
     "asan-gcc": lambda _: suite("native-asan"),
     "asan-clang": lambda _: suite("native-asan-clang"),
     "fuzz": fuzz,

@@ -43,8 +43,7 @@ static int write_dark(const struct device *dev, bool *dark)
 	int enable_rc = 0;
 	int pwm_rc;
 
-	/* The enable line acts at once, the PWM with its next period; one suffices, so both are
-	 * tried. */
+	/* The enable line acts at once, the PWM with its next period; both, as one may fail. */
 	if (config->enable.port != NULL) {
 		enable_rc = gpio_pin_set_dt(&config->enable, 0);
 	}

@@ -71,8 +71,7 @@ static inline void light_get(const struct device *dev, struct light_state *state
 	((const struct light_driver_api *)dev->api)->get(dev, state);
 }
 
-/* For fault handlers and before a reset: dark at once, and nothing lights the lamp until the next
- * reset. */
+/* For fault handlers and before a reset: dark at once, until the next reset whatever is asked. */
 static inline int light_off_now(const struct device *dev)
 {
 	return ((const struct light_driver_api *)dev->api)->off_now(dev);
