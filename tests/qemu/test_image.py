@@ -11,6 +11,7 @@ from qemu import QemuSimulator
 pytestmark = pytest.mark.only_on("CONFIG_BOARD_MPS2_AN385")
 
 REBOOT = 246  # MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN
+THREAD_LISTS = ("kernel threads", "kernel thread list")
 # CONFIG_INIT_STACKS fills them with this.
 UNTOUCHED = 0xAA
 # At the bottom of each, for the MPU.
@@ -57,7 +58,8 @@ def tour(sim: QemuSimulator) -> None:
         light.mav.command_long(REQUEST_MESSAGE, message)
     if has_shell(sim):
         shell = Shell(sim)
-        for line in ("help", "light status", "thermal", "kernel threads", "param list"):
+        # the last two are one command, before Zephyr 4.0 and since
+        for line in ("help", "light status", "thermal", "param list", *THREAD_LISTS):
             shell(line)
         shell("param set STRB_MIN_US 20000")
     d = light.mav.dialect
