@@ -14,6 +14,8 @@
 #define AT_VERSION  8
 #define AT_THERE    9
 
+#define LIGHT_BYTES 14
+
 #define VARINT_MORE 0x80u
 #define VARINT_MAX  5
 
@@ -167,7 +169,7 @@ static uint32_t next_param(struct reader *reader, int32_t *value)
 	return PARAM_COUNT;
 }
 
-/* Whatever a record has before its parameters. */
+/* What a record has before its parameters. */
 static void read_rest(struct reader *reader, uint8_t there, struct store_state *state)
 {
 	state->has_light = (there & HAS_LIGHT) != 0;
@@ -186,6 +188,13 @@ static void read_rest(struct reader *reader, uint8_t there, struct store_state *
 	if (state->has_signing) {
 		memcpy(state->signing, take(reader, STORE_SIGNING_BYTES), STORE_SIGNING_BYTES);
 	}
+}
+
+static void skip_rest(struct reader *reader, uint8_t there)
+{
+	(void)take(reader, (there & HAS_LIGHT) != 0 ? LIGHT_BYTES : 0);
+	(void)take(reader, (there & HAS_POWER) != 0 ? 1 : 0);
+	(void)take(reader, (there & HAS_SIGNING) != 0 ? STORE_SIGNING_BYTES : 0);
 }
 
 static bool is_whole(const uint8_t *record, size_t length)
@@ -225,11 +234,10 @@ bool store_offer(struct store *self, uint8_t slot, const uint8_t *record, size_t
 void store_salvage(struct store *self, const uint8_t *record, size_t length)
 {
 	struct reader reader = {.bytes = record, .left = length};
-	struct store_state ignored;
 	int32_t value;
 
 	(void)take(&reader, AT_THERE);
-	read_rest(&reader, (uint8_t)get(&reader, 1), &ignored);
+	skip_rest(&reader, (uint8_t)get(&reader, 1));
 	for (uint32_t i = next_param(&reader, &value); i < PARAM_COUNT;
 	     i = next_param(&reader, &value)) {
 		if (params_is_heat_limit(i) && value < self->state.params.values[i]) {

@@ -42,7 +42,7 @@ static struct storage_stats stats; /* under the lock */
 static int64_t writing_until_ms;
 static uint8_t record[STORE_RECORD_MAX];
 
-static K_THREAD_STACK_DEFINE(stack, CONFIG_PHAROS_STORAGE_STACK_SIZE);
+static K_THREAD_STACK_DEFINE(storage_stack, CONFIG_PHAROS_STORAGE_STACK_SIZE);
 static struct k_work_q queue;
 static void save(struct k_work *work);
 static K_WORK_DELAYABLE_DEFINE(save_work, save);
@@ -377,6 +377,7 @@ void storage_start(void)
 {
 	static const struct k_work_queue_config config = {.name = "storage"};
 
-	k_work_queue_start(&queue, stack, K_THREAD_STACK_SIZEOF(stack), STORAGE_PRIORITY, &config);
+	k_work_queue_start(&queue, storage_stack, K_THREAD_STACK_SIZEOF(storage_stack),
+	                   STORAGE_PRIORITY, &config);
 	(void)k_work_reschedule_for_queue(&queue, &save_work, K_NO_WAIT); /* what came before */
 }

@@ -11,6 +11,10 @@
  * prefix of what was accepted, with everything in it that was accepted before the bound; and it
  * must be able to store the next change. Some cuts are where the run goes on from.
  *
+ * Every other run has, instead of the native settings, two places that are written byte by byte, as
+ * a store would have that is not atomic and has no checksums of its own: a cut leaves the beginning
+ * of the new value, and of the old one at most its end.
+ *
  * Beside cuts, content is damaged anywhere: then it is a state that was accepted, or one that is no
  * warmer than the defaults and dark.
  *
@@ -104,7 +108,19 @@ static int64_t now_us;
 
 static const char *const names[STORE_SLOTS] = {"pharos/0", "pharos/1"};
 
-/* Power comes back: what the device makes of the torn_flash.content. */
+static bool bare; /* the two places, not the native settings */
+
+/* False: there is nothing in that slot, or nothing that can be read. */
+static bool read_slot(struct settings_records *from, uint8_t slot, struct settings_record *record)
+{
+	if (!bare) {
+		return settings_records_find(from, names[slot], record);
+	}
+	record->value = torn_flash_place(slot, &record->value_length);
+	return record->value_length > 0;
+}
+
+/* Power comes back: what the device makes of what the flash holds. */
 static void boot(struct store *into, struct settings_records *from)
 {
 	struct settings_record record;
@@ -112,16 +128,16 @@ static void boot(struct store *into, struct settings_records *from)
 
 	torn_flash.bytes_left = SIZE_MAX;
 	store_init(into);
-	if (settings_records_open(from, &torn_flash_medium) != 0) {
+	if (!bare && settings_records_open(from, &torn_flash_medium) != 0) {
 		return;
 	}
 	for (uint8_t slot = 0; slot < STORE_SLOTS; slot++) {
-		if (settings_records_find(from, names[slot], &record)) {
+		if (read_slot(from, slot, &record)) {
 			whole += store_offer(into, slot, record.value, record.value_length) ? 1 : 0;
 		}
 	}
 	for (uint8_t slot = 0; slot < STORE_SLOTS && whole == 0; slot++) {
-		if (settings_records_find(from, names[slot], &record)) {
+		if (read_slot(from, slot, &record)) {
 			store_salvage(into, record.value, record.value_length);
 		}
 	}
@@ -131,7 +147,8 @@ static void boot(struct store *into, struct settings_records *from)
 static bool write_record(struct settings_records *to, const uint8_t *record, size_t length,
                          uint8_t slot)
 {
-	return settings_records_save(to, names[slot], record, length) == 0;
+	return bare ? torn_flash_put(slot, record, length)
+	            : settings_records_save(to, names[slot], record, length) == 0;
 }
 
 /* --- what goes wrong -------------------------------------------------------------------------- */
@@ -140,6 +157,7 @@ static uint64_t seed;
 static uint64_t runs;
 static uint64_t cuts;
 static uint64_t cuts_by_word[33];
+static uint64_t cuts_bare;
 static uint64_t unreadable;
 static uint64_t damages;
 static uint64_t writes;
@@ -421,6 +439,7 @@ static size_t write_due(size_t last_stored)
 	const size_t length = store_begin(&store, now_us, record, &slot);
 	const size_t begun = count - 1;
 	size_t total;
+	bool may_cut;
 
 	flash_before = torn_flash.content;
 	records_before = records;
@@ -430,7 +449,9 @@ static size_t write_due(size_t last_stored)
 	}
 	total = torn_flash.programmed;
 	writes++;
-	for (size_t cut = 0; cut < total; cut++) {
+	/* Without settings the very first record has none before it to fall back on. */
+	may_cut = !bare || store.sequence > 0;
+	for (size_t cut = 0; cut < total && may_cut; cut++) {
 		torn_flash.torn = (enum torn)draw(TORN_COUNT);
 		torn_flash.content = flash_before;
 		records = records_before;
@@ -440,13 +461,14 @@ static size_t write_due(size_t last_stored)
 		}
 		cuts++;
 		cuts_by_word[torn_flash.word]++;
+		cuts_bare += bare ? 1 : 0;
 		unreadable += torn_flash.content.lost_size > 0 ? 1 : 0;
 		check_after_cut(last_stored, cut);
 	}
 	/* Mostly on without a cut. */
 	torn_flash.content = flash_before;
 	records = records_before;
-	torn_flash.bytes_left = draw(6) == 0 ? draw(total) : SIZE_MAX;
+	torn_flash.bytes_left = may_cut && draw(6) == 0 ? draw(total) : SIZE_MAX;
 	torn_flash.torn = (enum torn)draw(TORN_COUNT);
 
 	const bool stored = write_record(&records, record, length, slot);
@@ -479,6 +501,7 @@ static void run(void)
 	int64_t change_us;
 
 	torn_flash.word = words[seed % 3];
+	bare = seed / 3 % 2 == 1;
 	memset(&torn_flash.content, 0, sizeof(torn_flash.content));
 	memset(&history[0], 0, sizeof(history[0]));
 	history[0].power = -1;
@@ -527,9 +550,10 @@ int main(int argc, char *argv[])
 		run();
 	}
 	printf("%" PRIu64 " runs, %" PRIu64 " writes, %" PRIu64 " cuts (words of 4: %" PRIu64
-	       ", 8: %" PRIu64 ", 32: %" PRIu64 "), %" PRIu64 " left a word unreadable, %" PRIu64
-	       " left an older state, %" PRIu64 " damages; none off\n",
-	       runs, writes, cuts, cuts_by_word[4], cuts_by_word[8], cuts_by_word[32], unreadable,
-	       prefixes_older, damages);
+	       ", 8: %" PRIu64 ", 32: %" PRIu64 "; %" PRIu64 " without settings), %" PRIu64
+	       " left a word unreadable, %" PRIu64 " left an older state, %" PRIu64
+	       " damages; none off\n",
+	       runs, writes, cuts, cuts_by_word[4], cuts_by_word[8], cuts_by_word[32], cuts_bare,
+	       unreadable, prefixes_older, damages);
 	return first == seed ? 1 : 0;
 }

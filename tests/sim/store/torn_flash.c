@@ -100,3 +100,41 @@ const struct settings_medium torn_flash_medium = {
 	.append = append,
 	.replace = replace,
 };
+
+/* A place: the length in two bytes, the value. */
+bool torn_flash_put(uint8_t place, const uint8_t *value, size_t length)
+{
+	struct torn_content *const content = &torn_flash.content;
+	uint8_t *const at = &content->bytes[place * TORN_PLACE_SIZE];
+	const uint8_t head[2] = {(uint8_t)length, (uint8_t)(length >> 8)};
+	const bool was_lost_here = content->lost_at / TORN_PLACE_SIZE == place;
+	const size_t through = pass(length + sizeof(head));
+
+	content->lost_size = was_lost_here ? 0 : content->lost_size;
+	if (draw(2) == 0) {
+		memset(at, 0xFF, TORN_PLACE_SIZE); /* erased before */
+	}
+	memcpy(at, head, through < sizeof(head) ? through : sizeof(head));
+	if (through > sizeof(head)) {
+		memcpy(at + sizeof(head), value, through - sizeof(head));
+	}
+	content->length = sizeof(content->bytes);
+	if (through < length + sizeof(head) && through % torn_flash.word != 0) {
+		tear_word(place * TORN_PLACE_SIZE + through - through % torn_flash.word);
+	}
+	content->length = sizeof(content->bytes);
+	return through == length + sizeof(head);
+}
+
+const uint8_t *torn_flash_place(uint8_t place, size_t *length)
+{
+	const struct torn_content *const content = &torn_flash.content;
+	const uint8_t *const at = &content->bytes[place * TORN_PLACE_SIZE];
+	const size_t told = (size_t)(at[0] | at[1] << 8);
+
+	*length = told <= TORN_PLACE_SIZE - 2 ? told : TORN_PLACE_SIZE - 2;
+	if (content->lost_size > 0 && content->lost_at / TORN_PLACE_SIZE == place) {
+		*length = 0;
+	}
+	return at + 2;
+}

@@ -7,6 +7,7 @@
 #ifndef TORN_FLASH_H
 #define TORN_FLASH_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -19,6 +20,9 @@ enum torn {
 	TORN_UNREADABLE,
 	TORN_COUNT
 };
+
+/* Two places for a value each, at the beginning of the content. */
+#define TORN_PLACE_SIZE (SETTINGS_RECORDS_SIZE / 2)
 
 struct torn_content {
 	uint8_t bytes[SETTINGS_RECORDS_SIZE];
@@ -37,6 +41,11 @@ struct torn_flash {
 
 extern struct torn_flash torn_flash;
 extern const struct settings_medium torn_flash_medium;
+
+/* Writes the place from its first byte; false: power was cut. And what can be read of it: length 0:
+ * nothing, as when a word of it cannot. */
+bool torn_flash_put(uint8_t place, const uint8_t *value, size_t length);
+const uint8_t *torn_flash_place(uint8_t place, size_t *length);
 
 void chance_seed(uint64_t seed);
 
