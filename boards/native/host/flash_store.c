@@ -140,6 +140,7 @@ static int start(void)
 	if (flash.inverted == MAP_FAILED) {
 		return fail(strerror(errno));
 	}
+	(void)carry_register("flash torn", &flash.torn, sizeof(flash.torn));
 	boot();
 	return 0;
 }

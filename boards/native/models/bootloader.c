@@ -29,6 +29,14 @@ static uint32_t get(const uint8_t *bytes, int count)
 	return value;
 }
 
+/* What cannot be read is zeros: neither a magic nor a hash. */
+static void read(const struct flash *flash, uint32_t offset, void *data, uint32_t size)
+{
+	if (flash_read(flash, offset, data, size) != 0) {
+		memset(data, 0, size);
+	}
+}
+
 static void hash(const struct flash *flash, uint32_t offset, uint32_t size,
                  uint8_t digest[SHA256_DIGEST_SIZE])
 {
@@ -39,7 +47,7 @@ static void hash(const struct flash *flash, uint32_t offset, uint32_t size,
 	for (uint32_t done = 0; done < size;) {
 		const uint32_t count = size - done < sizeof(chunk) ? size - done : sizeof(chunk);
 
-		(void)flash_read(flash, offset + done, chunk, count);
+		read(flash, offset + done, chunk, count);
 		sha256_update(&context, count, chunk);
 		done += count;
 	}
@@ -54,7 +62,7 @@ static bool hash_is_right(const struct flash *flash, uint32_t slot, uint32_t has
 	uint8_t found[SHA256_DIGEST_SIZE];
 	uint32_t at = hashed;
 
-	(void)flash_read(flash, slot + at, head, sizeof(head));
+	read(flash, slot + at, head, sizeof(head));
 
 	const uint32_t end = hashed + get(head + 2, 2);
 
@@ -62,10 +70,10 @@ static bool hash_is_right(const struct flash *flash, uint32_t slot, uint32_t has
 		return false;
 	}
 	for (at += sizeof(head); at + sizeof(head) <= end; at += sizeof(head) + get(head + 2, 2)) {
-		(void)flash_read(flash, slot + at, head, sizeof(head));
+		read(flash, slot + at, head, sizeof(head));
 		if (get(head, 2) == ENTRY_SHA256 && get(head + 2, 2) == sizeof(wanted) &&
 		    at + sizeof(head) + sizeof(wanted) <= end) {
-			(void)flash_read(flash, slot + at + sizeof(head), wanted, sizeof(wanted));
+			read(flash, slot + at + sizeof(head), wanted, sizeof(wanted));
 			hash(flash, slot, hashed, found);
 			return memcmp(wanted, found, sizeof(found)) == 0;
 		}
@@ -77,7 +85,7 @@ static bool image_is_whole(const struct flash *flash, uint32_t slot, uint32_t si
 {
 	uint8_t header[HEADER_SIZE];
 
-	(void)flash_read(flash, slot, header, sizeof(header));
+	read(flash, slot, header, sizeof(header));
 
 	const uint64_t hashed = (uint64_t)get(header + AT_HEADER_SIZE, 2) +
 	                        get(header + AT_PROTECTED, 2) + get(header + AT_CODE_SIZE, 4);
@@ -90,7 +98,7 @@ static bool has_magic(const struct flash *flash, uint32_t slot, uint32_t size)
 {
 	uint8_t magic[BOOTLOADER_MAGIC_SIZE];
 
-	(void)flash_read(flash, slot + size - BOOTLOADER_AT_MAGIC, magic, sizeof(magic));
+	read(flash, slot + size - BOOTLOADER_AT_MAGIC, magic, sizeof(magic));
 	return memcmp(magic, bootloader_magic, sizeof(magic)) == 0;
 }
 
@@ -98,7 +106,7 @@ static bool has_flag(const struct flash *flash, uint32_t at)
 {
 	uint8_t flag;
 
-	(void)flash_read(flash, at, &flag, 1);
+	read(flash, at, &flag, 1);
 	return flag == BOOTLOADER_FLAG_SET;
 }
 
@@ -118,8 +126,8 @@ static void swap(struct flash *flash, const struct bootloader_slots *slots)
 	static uint8_t second[FLASH_PAGE_SIZE];
 
 	for (uint32_t at = 0; at < slots->size; at += FLASH_PAGE_SIZE) {
-		(void)flash_read(flash, slots->first + at, first, sizeof(first));
-		(void)flash_read(flash, slots->second + at, second, sizeof(second));
+		read(flash, slots->first + at, first, sizeof(first));
+		read(flash, slots->second + at, second, sizeof(second));
 		(void)flash_erase(flash, slots->first + at, FLASH_PAGE_SIZE);
 		(void)flash_erase(flash, slots->second + at, FLASH_PAGE_SIZE);
 		if (at + FLASH_PAGE_SIZE < slots->size) {

@@ -25,6 +25,14 @@ static uint32_t allowed(struct flash *self, uint32_t size)
 	return size;
 }
 
+/* Is the block that cannot be read among these bytes? */
+static bool has_torn(const struct flash *self, uint32_t offset, uint32_t size)
+{
+	const uint32_t at = (self->torn - 1) * FLASH_BLOCK_SIZE;
+
+	return self->torn != 0 && size > 0 && at < offset + size && offset < at + FLASH_BLOCK_SIZE;
+}
+
 int flash_read(const struct flash *self, uint32_t offset, void *data, uint32_t size)
 {
 	uint8_t *const bytes = data;
@@ -32,7 +40,7 @@ int flash_read(const struct flash *self, uint32_t offset, void *data, uint32_t s
 	if (!is_inside(self, offset, size)) {
 		return -EINVAL;
 	}
-	if (self->is_dead) {
+	if (self->is_dead || has_torn(self, offset, size)) {
 		return -EIO;
 	}
 	for (uint32_t i = 0; i < size; i++) {
@@ -59,13 +67,16 @@ int flash_write(struct flash *self, uint32_t offset, const void *data, uint32_t 
 	    size % FLASH_BLOCK_SIZE != 0) {
 		return -EINVAL;
 	}
-	if (!is_erased(self, offset, size)) {
+	if (!is_erased(self, offset, size) || has_torn(self, offset, size)) {
 		return -EIO;
 	}
 	const uint32_t through = allowed(self, size);
 
 	for (uint32_t i = 0; i < through; i++) {
 		self->inverted[offset + i] = (uint8_t)~bytes[i];
+	}
+	if (through % FLASH_BLOCK_SIZE != 0) {
+		self->torn = (offset + through) / FLASH_BLOCK_SIZE + 1;
 	}
 	return through == size ? 0 : -EIO;
 }
@@ -78,6 +89,10 @@ int flash_erase(struct flash *self, uint32_t offset, uint32_t size)
 	}
 	for (uint32_t page = offset; page < offset + size; page += FLASH_PAGE_SIZE) {
 		const uint32_t through = allowed(self, FLASH_PAGE_SIZE);
+
+		if (through == FLASH_PAGE_SIZE && has_torn(self, page, FLASH_PAGE_SIZE)) {
+			self->torn = 0;
+		}
 
 		/* A page loses its charge evenly; for its reader it is a page of which part is
 		 * gone. */

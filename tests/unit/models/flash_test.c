@@ -64,8 +64,25 @@ ZTEST(model_flash, test_power_fails_at_the_byte)
 	zassert_equal(flash_write(&flash, 8, bytes, 8), -EIO);
 	zassert_equal(flash_read(&flash, 0, bytes, 1), -EIO);
 	flash_power_up(&flash);
-	zassert_equal(at(10), 0x5A);
-	zassert_equal(at(11), 0xFF);
+	/* The block of bytes 8 to 15 was only begun. */
+	zassert_equal(at(7), 0x5A);
+	zassert_equal(flash_read(&flash, 0, bytes, 8), 0);
+	zassert_equal(flash_read(&flash, 0, bytes, 9), -EIO);
+	zassert_equal(flash_read(&flash, 15, bytes, 1), -EIO);
+	zassert_equal(at(16), 0xFF);
+	zassert_equal(flash_write(&flash, 8, bytes, 8), -EIO);
+	zassert_equal(flash_erase(&flash, 0, FLASH_PAGE_SIZE), 0);
+	zassert_equal(at(8), 0xFF);
+	zassert_equal(flash_write(&flash, 8, bytes, 8), 0);
+}
+
+ZTEST(model_flash, test_power_that_fails_between_two_blocks_leaves_them_readable)
+{
+	flash_tear(&flash, 8);
+	zassert_equal(flash_write(&flash, 0, bytes, 16), -EIO);
+	flash_power_up(&flash);
+	zassert_equal(at(7), 0x5A);
+	zassert_equal(at(8), 0xFF);
 }
 
 ZTEST(model_flash, test_power_fails_within_an_erase)
