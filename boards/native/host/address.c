@@ -154,6 +154,23 @@ void address_print_bound(int fd, char *text, size_t size)
 	address_print(&bound, text, size);
 }
 
+bool address_same_host(const struct sockaddr_storage *a, const struct sockaddr_storage *b)
+{
+	struct sockaddr_storage alike = *b;
+
+	if (a->ss_family != b->ss_family) {
+		return false;
+	}
+	if (a->ss_family == AF_INET) {
+		((struct sockaddr_in *)&alike)->sin_port =
+			((const struct sockaddr_in *)a)->sin_port;
+	} else {
+		((struct sockaddr_in6 *)&alike)->sin6_port =
+			((const struct sockaddr_in6 *)a)->sin6_port;
+	}
+	return address_equal(a, &alike);
+}
+
 bool address_equal(const struct sockaddr_storage *a, const struct sockaddr_storage *b)
 {
 	const struct sockaddr_in *a4 = (const struct sockaddr_in *)a;

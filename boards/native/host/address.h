@@ -40,4 +40,7 @@ void address_print_bound(int fd, char *text, size_t size);
 
 bool address_equal(const struct sockaddr_storage *a, const struct sockaddr_storage *b);
 
+/* The same but for the port. */
+bool address_same_host(const struct sockaddr_storage *a, const struct sockaddr_storage *b);
+
 #endif

@@ -68,7 +68,7 @@ static void on_ready(struct loop_source *source, uint32_t events)
 	}
 	n = read(source->fd, bytes, sizeof(bytes));
 	if (n > 0) {
-		wire_received(wire, bytes, (size_t)n);
+		wire_received_of(wire, stream->voice, bytes, (size_t)n);
 		wire_received_all(wire);
 	} else if (n == 0) {
 		end(stream, 0);

@@ -13,10 +13,12 @@ struct stream {
 	/* The stream ended: error is 0 for a plain hang-up. It is closed already. */
 	void (*closed)(struct stream *stream, int error);
 	void *owner;
+	int voice; /* which of several peers of the wire (host/wire_peers.h); WIRE_VOICES: the one
+	            */
 	bool open;
 };
 
-/* Takes fd, which is non-blocking. wire, closed and owner are set. */
+/* Takes fd, which is non-blocking. wire, closed, owner and voice are set. */
 void stream_open(struct stream *stream, int fd);
 
 void stream_close(struct stream *stream);

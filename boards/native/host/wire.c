@@ -135,9 +135,8 @@ static void set_paused(struct wire *wire, bool paused)
 	}
 }
 
-static void give(struct wire *wire, const uint8_t *data, size_t length)
+void wire_give(struct wire *wire, const uint8_t *data, size_t length)
 {
-	wire->kept.released += length;
 	port_trace("rx", wire->name, (int64_t)length);
 	if (has_fault(&wire->kept.rx_fault)) {
 		append_faulty(wire, &wire->kept.rx_fault, &wire->rx, data, length);
@@ -146,15 +145,62 @@ static void give(struct wire *wire, const uint8_t *data, size_t length)
 	}
 }
 
-void wire_received(struct wire *wire, const uint8_t *data, size_t length)
+/* Bytes are released to the device's end. */
+static void release(struct wire *wire, int voice, const uint8_t *data, size_t length)
+{
+	wire->kept.released += length;
+	if (voice == WIRE_VOICES) {
+		wire_give(wire, data, length);
+	} else if (length == 0) {
+		wire_voice_reset(wire, voice);
+	} else {
+		wire_voice_said(wire, voice, data, length);
+	}
+}
+
+static void received(struct wire *wire, int voice, const uint8_t *data, size_t length)
+{
+	if (clock_is_lockstep()) {
+		const struct wire_part part = {voice, length};
+
+		buffer_append(&wire->staged, data, length, SIZE_MAX / 2);
+		buffer_append(&wire->staged_parts, &part, sizeof(part), SIZE_MAX / 2);
+	} else {
+		release(wire, voice, data, length);
+	}
+}
+
+void wire_received_of(struct wire *wire, int voice, const uint8_t *data, size_t length)
 {
 	wire->kept.counts.rx_bytes += length;
 	wire->kept.counts.rx_datagrams++;
-	if (clock_is_lockstep()) {
-		buffer_append(&wire->staged, data, length, SIZE_MAX / 2);
-	} else {
-		give(wire, data, length);
+	if (length > 0) {
+		received(wire, voice, data, length);
 	}
+}
+
+void wire_received(struct wire *wire, const uint8_t *data, size_t length)
+{
+	wire_received_of(wire, WIRE_VOICES, data, length);
+}
+
+void wire_peer_leave(struct wire *wire, int peer)
+{
+	wire->kept.peers[peer].present = false;
+	received(wire, peer, NULL, 0);
+	if (!clock_is_lockstep()) {
+		wire_received_all(wire);
+	}
+}
+
+static size_t held(const struct wire *wire)
+{
+	size_t length = 0;
+
+	for (int i = 0; i < WIRE_VOICES; i++) {
+		length += buffer_length(&wire->voices[i].held);
+	}
+	return length;
 }
 
 void wire_received_all(struct wire *wire)
@@ -163,9 +209,47 @@ void wire_received_all(struct wire *wire)
 		set_paused(wire, buffer_length(&wire->staged) >= WIRE_STAGED_MAX);
 		return;
 	}
-	set_paused(wire, buffer_length(&wire->rx) >= WIRE_FIFO);
-	if (wire->on_rx != NULL && buffer_length(&wire->rx) > 0) {
+	set_paused(wire, buffer_length(&wire->rx) >= WIRE_FIFO || held(wire) >= WIRE_HELD_MAX);
+	if (wire->on_rx != NULL && (buffer_length(&wire->rx) > 0 || held(wire) > 0)) {
 		wire->on_rx(wire->arg);
+	}
+}
+
+uint64_t wire_hold_us(const struct wire *wire)
+{
+	return wire_voices_hold_us(wire);
+}
+
+void wire_expire(struct wire *wire)
+{
+	wire_voices_expire(wire);
+	if (!clock_is_lockstep()) {
+		wire_received_all(wire);
+	} else if (wire->on_rx != NULL) {
+		wire->on_rx(wire->arg);
+	}
+}
+
+/* The next `count` staged bytes, and whose they are; parts of nothing before and behind them too.
+ */
+static void release_staged(struct wire *wire, size_t count)
+{
+	while (buffer_length(&wire->staged_parts) > 0) {
+		struct wire_part *const part =
+			(struct wire_part *)(void *)(wire->staged_parts.data +
+		                                     wire->staged_parts.head);
+		const size_t n = part->length < count ? part->length : count;
+
+		if (part->length > 0 && n == 0) {
+			return;
+		}
+		release(wire, part->voice, buffer_bytes(&wire->staged), n);
+		buffer_consume(&wire->staged, n);
+		count -= n;
+		part->length -= n;
+		if (part->length == 0) {
+			buffer_consume(&wire->staged_parts, sizeof(*part));
+		}
 	}
 }
 
@@ -181,8 +265,7 @@ bool wire_release(struct wire *wire, uint64_t total)
 	if (n == 0) {
 		return false;
 	}
-	give(wire, buffer_bytes(&wire->staged), n);
-	buffer_consume(&wire->staged, n);
+	release_staged(wire, n);
 	set_paused(wire, false);
 	if (wire->on_rx != NULL) {
 		wire->on_rx(wire->arg);
@@ -272,6 +355,7 @@ size_t wire_write(struct wire *wire, const uint8_t *data, size_t length)
 {
 	const size_t n = length < WIRE_DATAGRAM_MAX ? length : WIRE_DATAGRAM_MAX;
 
+	wire_voices_learn(wire, data, n);
 	if (wire->tx_open) {
 		wire->tx_open = false;
 		if (wire->tx_count == WIRE_BATCH) {
@@ -355,10 +439,11 @@ void wires_poke(void)
 /* --- start and end -------------------------------------------------------------------------------
  */
 
-static void carry_names(const struct wire *wire, char *kept, char *staged, size_t size)
+static void carry_names(const struct wire *wire, char *kept, char *staged, char *parts, size_t size)
 {
 	snprintf(kept, size, "wire/%s/kept", wire->name);
 	snprintf(staged, size, "wire/%s/staged", wire->name);
+	snprintf(parts, size, "wire/%s/parts", wire->name);
 }
 
 static int start(void)
@@ -367,11 +452,12 @@ static int start(void)
 		struct wire *wire = wires[i];
 		char kept_name[48];
 		char staged_name[48];
+		char parts_name[48];
 		char text[WIRE_URL_MAX + 64];
 		size_t size;
 		const void *old;
 
-		carry_names(wire, kept_name, staged_name, sizeof(kept_name));
+		carry_names(wire, kept_name, staged_name, parts_name, sizeof(kept_name));
 		prng_init(&wire->kept.prng, wire->name);
 		old = carry_get(kept_name, &size);
 		if (old != NULL && size == sizeof(wire->kept)) {
@@ -379,6 +465,8 @@ static int start(void)
 		}
 		old = carry_get(staged_name, &size);
 		buffer_append(&wire->staged, old, size, SIZE_MAX / 2);
+		old = carry_get(parts_name, &size);
+		buffer_append(&wire->staged_parts, old, size, SIZE_MAX / 2);
 		wire->retry.fire = on_retry;
 		wire->retry.owner = wire;
 		wire->type->start(wire);
@@ -396,11 +484,14 @@ static void save(void)
 		struct wire *wire = wires[i];
 		char kept_name[48];
 		char staged_name[48];
+		char parts_name[48];
 
 		/* What was in the device's receive register is lost in a reset. */
-		carry_names(wire, kept_name, staged_name, sizeof(kept_name));
+		carry_names(wire, kept_name, staged_name, parts_name, sizeof(kept_name));
 		carry_put(kept_name, &wire->kept, sizeof(wire->kept));
 		carry_put(staged_name, buffer_bytes(&wire->staged), buffer_length(&wire->staged));
+		carry_put(parts_name, buffer_bytes(&wire->staged_parts),
+		          buffer_length(&wire->staged_parts));
 		if (wire->type->save != NULL) {
 			wire->type->save(wire);
 		}
@@ -417,6 +508,8 @@ static void stop(void)
 		free(wire->state);
 		wire->state = NULL;
 		buffer_free(&wire->staged);
+		buffer_free(&wire->staged_parts);
+		wire_voices_free(wire);
 		buffer_free(&wire->rx);
 		buffer_free(&wire->tx);
 	}

@@ -20,12 +20,14 @@
 #include "host/error.h"
 #include "host/loop.h"
 #include "host/prng.h"
+#include "host/wire_peers.h"
 
 enum {
 	WIRES_MAX = 16,
 	WIRE_URL_MAX = 160,
 	WIRE_FIFO = 4096,           /* unread by the device: stops reading the host's side */
 	WIRE_READ = 16384,          /* of a stream, in one read */
+	WIRE_HELD_MAX = 65536,      /* of peers whose messages are not whole: as well */
 	WIRE_STAGED_MAX = 16 << 20, /* lock-step: read and not yet released */
 	WIRE_BACKLOG_MAX = 1 << 20, /* of a stream: written, not yet taken by the host */
 	WIRE_BATCH = 32,            /* datagrams gathered before a flush */
@@ -89,7 +91,10 @@ struct wire {
 	char url[WIRE_URL_MAX];
 	void (*on_rx)(void *arg); /* more to read for the device; in interrupt context */
 	void *arg;
+	enum wire_framing framing;
 	struct buffer staged;
+	struct buffer staged_parts; /* struct wire_part: whose bytes those are */
+	struct wire_voice voices[WIRE_VOICES];
 	struct buffer rx;
 	struct buffer tx;
 	uint32_t tx_length[WIRE_BATCH];
@@ -107,7 +112,14 @@ struct wire {
 		struct wire_fault rx_fault;
 		struct wire_fault tx_fault;
 		struct prng prng;
+		struct wire_peer peers[WIRE_PEERS_MAX];
 	} kept;
+};
+
+/* Of staged bytes. length 0: the voice is a new peer's from here on. */
+struct wire_part {
+	int voice; /* WIRE_VOICES: the wire has one peer only */
+	size_t length;
 };
 
 /* --- for the device's side (../drivers/uart_host) --------------------------------------------- */
@@ -130,6 +142,11 @@ size_t wire_write(struct wire *wire, const uint8_t *data, size_t length);
  * idle. */
 void wire_put(struct wire *wire, uint8_t byte);
 
+/* Bytes of peers that are kept until their messages are whole (wire_peers.h): how long from now
+ * they may wait (0: there are none), and giving them up when that is over. */
+uint64_t wire_hold_us(const struct wire *wire);
+void wire_expire(struct wire *wire);
+
 /* --- for the loop and the control operations ------------------------------------------------- */
 
 struct wire *wire_find(const char *name);
@@ -148,10 +165,19 @@ bool wire_release(struct wire *wire, uint64_t total);
 
 void wire_describe(const struct wire *wire, char *text, size_t size);
 
+/* --- for wire_peers.c ------------------------------------------------------------------------- */
+
+/* To the device, in the order of the calls. */
+void wire_give(struct wire *wire, const uint8_t *data, size_t length);
+
 /* --- for the types of wires ------------------------------------------------------------------- */
 
-/* Bytes came. Then, once for a batch: wire_received_all(). */
+/*
+ * Bytes came; of one of several peers (a place, or WIRE_NOBODY): the second. Then, once for a
+ * batch: wire_received_all().
+ */
 void wire_received(struct wire *wire, const uint8_t *data, size_t length);
+void wire_received_of(struct wire *wire, int voice, const uint8_t *data, size_t length);
 void wire_received_all(struct wire *wire);
 
 void wire_sent(struct wire *wire, size_t bytes, size_t datagrams);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * tcp:HOST:PORT      connects; connects again whenever that fails or ends
- * tcpin:HOST:PORT    listens; CLIENTS_MAX clients share the wire
+ * tcpin:HOST:PORT    listens; WIRE_PEERS_MAX clients share the wire (host/wire_peers.h)
  */
 #include <errno.h>
 #include <netinet/in.h>
@@ -15,7 +15,7 @@
 #include "host/stream.h"
 
 enum {
-	CLIENTS_MAX = 8,
+	CLIENTS_MAX = WIRE_PEERS_MAX,
 	VANISHED_S = 10, /* silent for so long, and no answer: gone */
 };
 
@@ -80,12 +80,14 @@ static bool restore_streams(struct wire *wire)
 	return any;
 }
 
-static void init_streams(struct wire *wire, void (*closed)(struct stream *stream, int error))
+static void init_streams(struct wire *wire, bool shared,
+                         void (*closed)(struct stream *stream, int error))
 {
 	struct tcp *tcp = wire->state;
 
 	for (int i = 0; i < CLIENTS_MAX; i++) {
 		tcp->streams[i].wire = wire;
+		tcp->streams[i].voice = shared ? i : WIRE_VOICES;
 		tcp->streams[i].closed = closed;
 	}
 }
@@ -189,7 +191,7 @@ static void start_client(struct wire *wire)
 	struct tcp *tcp = wire->state;
 	int fd;
 
-	init_streams(wire, on_lost);
+	init_streams(wire, false, on_lost);
 	if (restore_streams(wire) || !resolve(wire)) {
 		return;
 	}
@@ -235,13 +237,19 @@ static void on_hang_up(struct stream *stream, int error)
 	if (error != 0) {
 		stream->wire->kept.counts.errors++;
 	}
+	wire_peer_leave(stream->wire, stream->voice);
 }
 
 static void on_client(struct loop_source *source, uint32_t events)
 {
 	struct wire *wire = source->owner;
 	struct tcp *tcp = wire->state;
-	const int fd = accept4(source->fd, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
+	struct sockaddr_storage from = {0};
+	socklen_t size = sizeof(from);
+	const int fd =
+		accept4(source->fd, (struct sockaddr *)&from, &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
+	int place;
+	int gone;
 
 	(void)events;
 	if (fd < 0) {
@@ -253,15 +261,18 @@ static void on_client(struct loop_source *source, uint32_t events)
 		}
 		return;
 	}
-	for (int i = 0; i < CLIENTS_MAX; i++) {
-		if (!tcp->streams[i].open) {
-			set_options(fd);
-			stream_open(&tcp->streams[i], fd);
-			return;
-		}
+	place = wire_peer_place(wire, &from, false, true, &gone);
+	if (place < 0) {
+		wire->kept.counts.errors++;
+		close(fd);
+		return;
 	}
-	wire->kept.counts.errors++;
-	close(fd);
+	if (gone >= 0) {
+		wire->kept.counts.errors++;
+		stream_close(&tcp->streams[gone]);
+	}
+	set_options(fd);
+	stream_open(&tcp->streams[place], fd);
 }
 
 static int open_listener(struct wire *wire)
@@ -299,8 +310,11 @@ static void start_server(struct wire *wire)
 	struct tcp *tcp = wire->state;
 	int fd;
 
-	init_streams(wire, on_hang_up);
+	init_streams(wire, true, on_hang_up);
 	restore_streams(wire);
+	for (int i = 0; i < CLIENTS_MAX; i++) {
+		wire->kept.peers[i].present &= tcp->streams[i].open;
+	}
 	if (!resolve(wire)) {
 		return;
 	}

@@ -156,6 +156,7 @@ static void pty_start(struct wire *wire)
 	const void *old;
 
 	tty->stream.wire = wire;
+	tty->stream.voice = WIRE_VOICES;
 	tty->stream.closed = on_slave_closed;
 	tty->slave_timer.fire = on_slave_timer;
 	tty->slave_timer.owner = wire;
@@ -304,6 +305,7 @@ static void serial_start(struct wire *wire)
 	int fd;
 
 	tty->stream.wire = wire;
+	tty->stream.voice = WIRE_VOICES;
 	tty->stream.closed = on_unplugged;
 	carry_name(name, sizeof(name), wire);
 	if (stream_restore(&tty->stream, name)) {

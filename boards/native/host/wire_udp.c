@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * udpin:HOST:PORT          listens; sends to every peer heard in the last PEER_TIMEOUT_US,
- * PEERS_MAX at most (one more replaces the one that has been silent for longest) udpout:HOST:PORT
- * sends there, receives from there udppair:BIND,SEND        receives on one address from anybody,
- * always sends to the other
+ * udpin:HOST:PORT      listens; sends to every peer heard in the last WIRE_PEER_TIMEOUT_US,
+ *                      WIRE_PEERS_MAX at most (host/wire_peers.h)
+ * udpout:HOST:PORT     sends there, receives from there
+ * udppair:BIND,SEND    receives on one address from anybody, always sends to the other
  */
 #include <errno.h>
 #include <netinet/in.h>
@@ -16,20 +16,12 @@
 #include "host/clock.h"
 #include "host/wire.h"
 
-#define PEER_TIMEOUT_US 60000000u
-
 enum {
-	PEERS_MAX = 8,
 	READ_BATCH = 32,
 	SINGLES_MAX = 8, /* reads of one datagram before a batch is tried */
 	DATAGRAM_MAX = 65536,
 	SEND_BATCH = WIRE_BATCH,
 	SOCKET_BUFFER = 1 << 20,
-};
-
-struct peer {
-	struct sockaddr_storage address;
-	uint64_t heard_us; /* board time */
 };
 
 struct udp {
@@ -40,8 +32,6 @@ struct udp {
 	/* Carried over resets. */
 	struct udp_carried {
 		int fd; /* 0: none */
-		uint32_t peer_count;
-		struct peer peers[PEERS_MAX];
 	} kept;
 };
 
@@ -51,26 +41,20 @@ static struct mmsghdr message[READ_BATCH];
 static struct iovec part[READ_BATCH];
 static struct sockaddr_storage senders[READ_BATCH];
 
-static void note_peer(struct udp *udp, const struct sockaddr_storage *from)
+/* The sender's place, which it may get by what it says; WIRE_NOBODY: it has none. */
+static int place_of(struct wire *wire, const struct sockaddr_storage *from, const uint8_t *data,
+                    size_t length)
 {
-	struct udp_carried *kept = &udp->kept;
-	const uint64_t now_us = clock_board_us();
-	uint32_t oldest = 0;
+	int place = wire_peer_find(wire, from);
+	int gone;
 
-	for (uint32_t i = 0; i < kept->peer_count; i++) {
-		if (address_equal(&kept->peers[i].address, from)) {
-			kept->peers[i].heard_us = now_us;
-			return;
-		}
-		if (kept->peers[i].heard_us < kept->peers[oldest].heard_us) {
-			oldest = i;
-		}
+	if (place < 0) {
+		place = wire_peer_place(wire, from, wire_peer_is_message(wire, data, length), false,
+		                        &gone);
+	} else {
+		wire->kept.peers[place].heard_us = clock_board_us();
 	}
-	if (kept->peer_count < PEERS_MAX) {
-		oldest = kept->peer_count++;
-	}
-	kept->peers[oldest].address = *from;
-	kept->peers[oldest].heard_us = now_us;
+	return place < 0 ? WIRE_NOBODY : place;
 }
 
 static void close_socket(struct wire *wire)
@@ -150,10 +134,14 @@ static bool read_some(struct loop_source *source)
 		return false;
 	}
 	for (int i = 0; i < n; i++) {
+		const size_t length = message[i].msg_len;
+
 		if (udp->send.host[0] == '\0') {
-			note_peer(udp, &senders[i]);
+			wire_received_of(wire, place_of(wire, &senders[i], datagrams[i], length),
+			                 datagrams[i], length);
+		} else {
+			wire_received(wire, datagrams[i], length);
 		}
-		wire_received(wire, datagrams[i], message[i].msg_len);
 	}
 	loop_hot(source);
 	wire_works(wire);
@@ -345,10 +333,10 @@ static void send_all(struct wire *wire, const uint8_t *data, const uint32_t *len
 	if (udp->send.host[0] == '\0') {
 		const uint64_t now_us = clock_board_us();
 
-		for (uint32_t i = 0; i < udp->kept.peer_count; i++) {
-			const struct peer *peer = &udp->kept.peers[i];
+		for (int i = 0; i < WIRE_PEERS_MAX; i++) {
+			const struct wire_peer *peer = &wire->kept.peers[i];
 
-			if (now_us - peer->heard_us < PEER_TIMEOUT_US) {
+			if (peer->present && now_us - peer->heard_us < WIRE_PEER_TIMEOUT_US) {
 				const size_t n = send_to(wire, &peer->address, data, length, count);
 
 				sent = n > sent ? n : sent;

@@ -36,6 +36,7 @@ struct uart_host_data {
 	bool rx_enabled;
 	bool tx_enabled;
 	bool moved; /* the callback has read, written or changed something */
+	struct k_timer hold_timer;
 	struct uart_config config;
 	/* paced only */
 	bool paced;
@@ -110,11 +111,23 @@ static void start_rx_group(struct uart_host_data *data)
 	}
 }
 
+/* Several peers share the wire: what they do not say to the end is given up in time. */
+static void on_hold_timer(struct k_timer *timer)
+{
+	struct uart_host_data *data = CONTAINER_OF(timer, struct uart_host_data, hold_timer);
+
+	uart_host_wire_expire(data->wire);
+}
+
 static void on_rx(void *arg)
 {
 	const struct device *dev = arg;
 	struct uart_host_data *data = dev->data;
+	const uint64_t hold_us = uart_host_wire_hold_us(data->wire);
 
+	if (hold_us > 0) {
+		k_timer_start(&data->hold_timer, K_USEC(hold_us), K_NO_WAIT);
+	}
 	if (data->paced) {
 		if (data->rx_group == 0) {
 			start_rx_group(data);
@@ -356,6 +369,7 @@ static int init(const struct device *dev)
 	};
 	k_timer_init(&data->tx_timer, on_tx_timer, NULL);
 	k_timer_init(&data->rx_timer, on_rx_timer, NULL);
+	k_timer_init(&data->hold_timer, on_hold_timer, NULL);
 	uart_host_wire_open(data->wire, on_rx, (void *)(uintptr_t)dev);
 	return 0;
 }

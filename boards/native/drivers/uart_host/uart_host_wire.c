@@ -69,6 +69,16 @@ size_t uart_host_wire_read(struct wire *wire, uint8_t *data, size_t size)
 	return wire_read(wire, data, size);
 }
 
+uint64_t uart_host_wire_hold_us(const struct wire *wire)
+{
+	return wire_hold_us(wire);
+}
+
+void uart_host_wire_expire(struct wire *wire)
+{
+	wire_expire(wire);
+}
+
 size_t uart_host_wire_write(struct wire *wire, const uint8_t *data, size_t length)
 {
 	return wire_write(wire, data, length);
@@ -205,6 +215,15 @@ static const struct host_option options[] = {
 	{0},
 };
 
+/* Until the device has shown what it speaks. */
+static enum wire_framing framing_of(const struct port *port)
+{
+	if (strcmp(port->wire.name, "console") == 0) {
+		return WIRE_FRAMING_NONE;
+	}
+	return port->protocol == UART_HOST_PROTOCOL_IMC ? WIRE_FRAMING_IMC : WIRE_FRAMING_MAVLINK;
+}
+
 static int start(void)
 {
 	struct host_error error;
@@ -214,6 +233,7 @@ static int start(void)
 		    parse_port(&ports[i], ports[i].fallback, &error) != 0) {
 			return -1;
 		}
+		ports[i].wire.framing = framing_of(&ports[i]);
 		wire_add(&ports[i].wire);
 	}
 	return 0;

@@ -22,6 +22,11 @@ void uart_host_wire_open(struct wire *wire, void (*on_rx)(void *arg), void *arg)
 size_t uart_host_wire_available(const struct wire *wire);
 size_t uart_host_wire_read(struct wire *wire, uint8_t *data, size_t size);
 
+/* How long what is kept of several peers' unfinished messages may wait (0: there is none), and
+ * giving it up when that is over. */
+uint64_t uart_host_wire_hold_us(const struct wire *wire);
+void uart_host_wire_expire(struct wire *wire);
+
 /* One datagram; how many bytes were taken. */
 size_t uart_host_wire_write(struct wire *wire, const uint8_t *data, size_t length);
 
