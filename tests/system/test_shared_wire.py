@@ -238,7 +238,14 @@ def test_imc_packets_in_pieces_are_whole_as_well(start: Starts) -> None:
             peer.bytes()
         streams = [pieces(rng, encode(query) * 100) for _ in peers]
         told = b""
-        while any([_say_next(peer, stream) for peer, stream in zip(peers, streams, strict=True)]):
+        said = True
+        while said:
+            said = False
+            for peer, stream in zip(peers, streams, strict=True):
+                piece = next(stream, b"")
+                if piece:
+                    said = True
+                    peer.say(piece)
             here.advance(2000)
             told += peers[0].bytes()
         here.advance(100_000)
@@ -247,13 +254,6 @@ def test_imc_packets_in_pieces_are_whole_as_well(start: Starts) -> None:
         assert told.count(b"\x54\xfe\x01\x00") == 3 * 100
     finally:
         here.close()
-
-
-def _say_next(peer: Peer, stream: Iterator[bytes]) -> bool:
-    piece = next(stream, b"")
-    if piece:
-        peer.say(piece)
-    return bool(piece)
 
 
 # --- places ---------------------------------------------------------------------------------------
