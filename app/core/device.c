@@ -2,6 +2,7 @@
 #include "core/device.h"
 
 #include "core/assert.h"
+#include "core/device_internal.h"
 
 #include <string.h>
 
@@ -18,6 +19,7 @@ _Static_assert(SAYS(GIMBAL, ACCEPTED) && SAYS(GIMBAL, DENIED), "gimbal");
 struct request {
 	int64_t now_us;
 	const struct device_who *who;
+	enum security_right right;
 	const void *events; /* of the machine that carries it out */
 	size_t count;
 	uint8_t lamp;
@@ -41,13 +43,13 @@ static uint8_t bit_of(uint8_t lamp)
 
 /* --- the machines, and what follows from their steps ------------------------------------------ */
 
-static struct device_effects *effects_of(struct pharos_device *self)
+struct device_effects *device_effects_of(struct pharos_device *self)
 {
 	self->has_effects = true;
 	return &self->effects;
 }
 
-static enum illuminator_result step_lamp(struct pharos_device *self, int64_t now_us, uint8_t lamp,
+enum illuminator_result device_step_lamp(struct pharos_device *self, int64_t now_us, uint8_t lamp,
                                          const struct illuminator_event *event)
 {
 	const uint8_t bit = bit_of(lamp);
@@ -79,7 +81,7 @@ static void follow_power(struct pharos_device *self, int64_t now_us)
 
 	for (uint8_t lamp = 0; lamp < DEVICE_LAMPS_MAX; lamp++) {
 		if (event.powered == self->lamps[lamp].illuminator.unpowered) {
-			(void)step_lamp(self, now_us, lamp, &event);
+			(void)device_step_lamp(self, now_us, lamp, &event);
 		}
 	}
 }
@@ -87,7 +89,7 @@ static void follow_power(struct pharos_device *self, int64_t now_us)
 /* One notice at a time: while another waits to be taken, the deadline stays in the past. */
 static void advance_outputs(struct pharos_device *self, int64_t now_us)
 {
-	struct device_effects *const effects = effects_of(self);
+	struct device_effects *const effects = device_effects_of(self);
 
 	effects->outputs = true;
 	if (!effects->has_shutdown) {
@@ -106,13 +108,16 @@ static void init_outputs(struct pharos_device *self, int64_t now_us,
 	outputs.focus_travel_us = (int64_t)self->params.values[PARAM_ZOOM_TIME_MS] * US_PER_MS;
 	params_thruster(&self->params, &outputs.thruster_config);
 	actuators_init(&self->actuators, now_us, &outputs);
+	for (uint8_t channel = 0; channel < POWER_CHANNELS_MAX; channel++) {
+		self->scheduled[channel] = SECURITY_WAY_SHELL;
+	}
+	self->shut_down = SECURITY_WAY_SHELL;
 	follow_power(self, now_us);
 }
 #endif
 
 #ifdef CONFIG_PHAROS_GIMBAL
-/* The same sources as the lamp's, and the same ranks; silence changes nothing. */
-static struct arbiter_config gimbal_arbiter_config(const struct params *params)
+struct arbiter_config device_gimbal_arbiter_config(const struct params *params)
 {
 	struct arbiter_config config;
 
@@ -123,7 +128,7 @@ static struct arbiter_config gimbal_arbiter_config(const struct params *params)
 
 static void init_gimbal(struct pharos_device *self, int64_t now_us, bool has_servos)
 {
-	const struct arbiter_config arbiter = gimbal_arbiter_config(&self->params);
+	const struct arbiter_config arbiter = device_gimbal_arbiter_config(&self->params);
 	struct gimbal_config config;
 
 	self->has_gimbal = has_servos && self->params.values[PARAM_GMB_ENABLE] != 0;
@@ -139,6 +144,8 @@ void pharos_device_init(struct pharos_device *self, int64_t now_us,
 	struct illuminator_config illuminator;
 	struct arbiter_config arbiter;
 
+	self->security.has_key = false;
+	params_security(&self->params, &self->security);
 	params_illuminator(&self->params, &illuminator);
 	params_arbiter(&self->params, &arbiter);
 	for (uint8_t lamp = 0; lamp < DEVICE_LAMPS_MAX; lamp++) {
@@ -172,10 +179,14 @@ static bool is_anothers(const struct arbiter *arbiter, enum arbiter_source sourc
 }
 
 /* May this source do this now? */
-static enum device_result check(struct arbiter *arbiter, const struct request *request)
+static enum device_result check(struct pharos_device *self, struct arbiter *arbiter,
+                                const struct request *request)
 {
 	const enum arbiter_source source = security_source(request->who->way);
 
+	if (!pharos_device_may(self, request->who, request->right)) {
+		return DEVICE_EXCLUDED;
+	}
 	if (request->who->is_repeated && is_anothers(arbiter, source)) {
 		arbiter_heard(arbiter, request->now_us, source);
 		return DEVICE_KEPT;
@@ -196,7 +207,7 @@ static enum device_result
 transact(struct pharos_device *self, struct arbiter *arbiter, const struct request *request,
          enum device_result (*carry_out)(struct pharos_device *self, const struct request *request))
 {
-	enum device_result result = check(arbiter, request);
+	enum device_result result = check(self, arbiter, request);
 
 	if (result != DEVICE_ACCEPTED) {
 		return result;
@@ -224,7 +235,7 @@ static enum device_result carry_out_lamp(struct pharos_device *self, const struc
 		                         request->count);
 	}
 	for (size_t i = 0; i < request->count && result == ILLUMINATOR_ACCEPTED; i++) {
-		result = step_lamp(self, request->now_us, request->lamp, &events[i]);
+		result = device_step_lamp(self, request->now_us, request->lamp, &events[i]);
 	}
 	return (enum device_result)result;
 }
@@ -233,7 +244,7 @@ enum device_result pharos_device_apply(struct pharos_device *self, int64_t now_u
                                        const struct device_who *who, uint8_t lamp,
                                        const struct illuminator_event *events, size_t count)
 {
-	const struct request request = {now_us, who, events, count, lamp};
+	const struct request request = {now_us, who, SECURITY_LIGHT, events, count, lamp};
 
 	return transact(self, &lamp_of(self, lamp)->arbiter, &request, carry_out_lamp);
 }
@@ -244,7 +255,7 @@ enum device_result pharos_device_restore(struct pharos_device *self, int64_t now
 	const struct illuminator_event event = {.kind = ILLUMINATOR_EVENT_RESTORE,
 	                                        .restore = *settings};
 
-	return (enum device_result)step_lamp(self, now_us, lamp, &event);
+	return (enum device_result)device_step_lamp(self, now_us, lamp, &event);
 }
 
 enum device_result pharos_device_test(struct pharos_device *self, int64_t now_us,
@@ -272,14 +283,13 @@ bool pharos_device_cancel_test(struct pharos_device *self, int64_t now_us,
 {
 	struct self_test *const test = &lamp_of(self, lamp)->self_test;
 
-	(void)who;
-	if (test->state != SELF_TEST_RUNNING) {
+	if (test->state != SELF_TEST_RUNNING || !pharos_device_may(self, who, SECURITY_LIGHT)) {
 		return false;
 	}
 
 	const struct illuminator_event event = self_test_cancel(test);
 
-	(void)step_lamp(self, now_us, lamp, &event);
+	(void)device_step_lamp(self, now_us, lamp, &event);
 	return true;
 }
 
@@ -301,7 +311,8 @@ enum device_result pharos_device_point(struct pharos_device *self, int64_t now_u
                                        const struct device_who *who,
                                        const struct gimbal_event *event)
 {
-	const struct request request = {.now_us = now_us, .who = who, .events = event};
+	const struct request request = {
+		.now_us = now_us, .who = who, .right = SECURITY_GIMBAL, .events = event};
 
 	return self->has_gimbal ? transact(self, &self->gimbal_arbiter, &request, carry_out_gimbal)
 	                        : DEVICE_ABSENT;
@@ -316,7 +327,8 @@ enum device_result pharos_device_follow(struct pharos_device *self, int64_t now_
 	if (!self->has_gimbal) {
 		return DEVICE_ABSENT;
 	}
-	return self->gimbal_arbiter.commander == security_source(who->way)
+	return self->gimbal_arbiter.commander == security_source(who->way) &&
+	                       pharos_device_may(self, who, SECURITY_GIMBAL)
 	               ? carry_out_gimbal(self, &request)
 	               : DEVICE_KEPT;
 }
@@ -340,8 +352,7 @@ void pharos_device_report_attitude(struct pharos_device *self, int64_t now_us,
 {
 	const struct gimbal_event event = {.kind = GIMBAL_EVENT_ATTITUDE, .attitude = *attitude};
 
-	(void)who;
-	if (self->has_gimbal) {
+	if (self->has_gimbal && pharos_device_may(self, who, SECURITY_EXIST)) {
 		(void)gimbal_step(&self->gimbal, now_us, &event);
 	}
 }
@@ -367,7 +378,7 @@ static void step_gimbal(struct pharos_device *self, int64_t now_us)
 	}
 	gimbal_advance(&self->gimbal, now_us, &out);
 	if (out.move) {
-		effects_of(self)->move = true;
+		device_effects_of(self)->move = true;
 	}
 }
 
@@ -389,6 +400,36 @@ static enum device_result carry_out_outputs(struct pharos_device *self,
 	return (enum device_result)result;
 }
 
+/* Whose schedules they are, so that they lapse with its right to have them. */
+static void note_schedule(struct pharos_device *self, const struct device_who *who,
+                          const struct actuators_event *event)
+{
+	if (event->kind == ACTUATORS_EVENT_POWER &&
+	    (event->timed.op == POWER_OP_SCHEDULE_ON || event->timed.op == POWER_OP_SCHEDULE_OFF)) {
+		self->scheduled[event->number] = who->way;
+	} else if (event->kind == ACTUATORS_EVENT_SHUTDOWN) {
+		self->shut_down = who->way;
+	}
+}
+
+void device_lapse(struct pharos_device *self, int64_t now_us)
+{
+	const struct device_who down = {.way = self->shut_down};
+
+	for (uint8_t channel = 0; channel < POWER_CHANNELS_MAX; channel++) {
+		const struct device_who who = {.way = self->scheduled[channel]};
+
+		if (!pharos_device_may(self, &who, SECURITY_OUTPUTS)) {
+			(void)power_command(&self->actuators.power, now_us, channel,
+			                    POWER_OP_RESET_SCHEDULES, 0);
+		}
+	}
+	if (!pharos_device_may(self, &down, SECURITY_OUTPUTS)) {
+		shutdown_lapse(&self->actuators.shutdown);
+	}
+	advance_outputs(self, now_us);
+}
+
 /* Is it the lamp's too? */
 static bool is_lamps(const struct actuators_event *event)
 {
@@ -400,98 +441,30 @@ enum device_result pharos_device_output(struct pharos_device *self, int64_t now_
                                         const struct device_who *who,
                                         const struct actuators_event *event)
 {
-	const struct request request = {.now_us = now_us, .who = who, .events = event};
+	const struct request request = {
+		.now_us = now_us, .who = who, .right = SECURITY_OUTPUTS, .events = event};
+	enum device_result result = DEVICE_EXCLUDED;
 
-	return is_lamps(event)
-	               ? transact(self, &self->lamps[0].arbiter, &request, carry_out_outputs)
-	               : carry_out_outputs(self, &request);
-}
-
-#endif
-
-/* --- parameters ------------------------------------------------------------------------------- */
-
-static void configure_lamps(struct pharos_device *self, int64_t now_us)
-{
-	struct illuminator_event event = {.kind = ILLUMINATOR_EVENT_CONFIG};
-
-	params_illuminator(&self->params, &event.config);
-	for (uint8_t lamp = 0; lamp < DEVICE_LAMPS_MAX; lamp++) {
-		(void)step_lamp(self, now_us, lamp, &event);
+	if (is_lamps(event)) {
+		result = transact(self, &self->lamps[0].arbiter, &request, carry_out_outputs);
+	} else if (pharos_device_may(self, who, SECURITY_OUTPUTS)) {
+		result = carry_out_outputs(self, &request);
 	}
-}
-
-static void configure_arbiters(struct pharos_device *self)
-{
-	struct arbiter_config config;
-
-	params_arbiter(&self->params, &config);
-	for (uint8_t lamp = 0; lamp < DEVICE_LAMPS_MAX; lamp++) {
-		arbiter_configure(&self->lamps[lamp].arbiter, &config);
+	if (result == DEVICE_ACCEPTED) {
+		note_schedule(self, who, event);
 	}
-#ifdef CONFIG_PHAROS_GIMBAL
-	config = gimbal_arbiter_config(&self->params);
-	arbiter_configure(&self->gimbal_arbiter, &config);
-#endif
-}
-
-/* In force here; what lies outside the core finds it in the effects. */
-static void follow_params(struct pharos_device *self, int64_t now_us,
-                          const struct param_set *changed)
-{
-	if (param_set_is_empty(changed)) {
-		return;
-	}
-	param_set_merge(&effects_of(self)->params, changed);
-	if (param_set_touches(changed, PARAM_GROUP_LIGHT)) {
-		configure_lamps(self, now_us);
-	}
-	if (param_set_touches(changed, PARAM_GROUP_ARBITER)) {
-		configure_arbiters(self);
-	}
-#ifdef CONFIG_PHAROS_GIMBAL
-	if (self->has_gimbal && param_set_touches(changed, PARAM_GROUP_GIMBAL)) {
-		struct gimbal_event event = {.kind = GIMBAL_EVENT_CONFIG};
-
-		params_gimbal(&self->params, &event.config);
-		(void)gimbal_step(&self->gimbal, now_us, &event);
-	}
-#endif
-#ifdef CONFIG_PHAROS_IMC
-	if (param_set_touches(changed, PARAM_GROUP_OUTPUTS)) {
-		struct thruster_config config;
-
-		params_thruster(&self->params, &config);
-		thruster_configure(&self->actuators.thruster, &config);
-	}
-#endif
-}
-
-enum params_result pharos_device_set_param(struct pharos_device *self, int64_t now_us,
-                                           const struct device_who *who, uint32_t index,
-                                           int32_t value)
-{
-	struct param_set changed;
-	const enum params_result result = params_set(&self->params, index, value, &changed);
-
-	(void)who;
-	follow_params(self, now_us, &changed);
 	return result;
 }
 
-void pharos_device_reset_params(struct pharos_device *self, int64_t now_us,
-                                const struct device_who *who)
-{
-	const struct param_set changed = params_reset(&self->params);
-
-	(void)who;
-	follow_params(self, now_us, &changed);
-}
+#endif
 
 /* --- reports ---------------------------------------------------------------------------------- */
 
 void pharos_device_heard(struct pharos_device *self, int64_t now_us, const struct device_who *who)
 {
+	if (!pharos_device_may(self, who, SECURITY_EXIST)) {
+		return;
+	}
 	for (uint8_t lamp = 0; lamp < DEVICE_LAMPS_MAX; lamp++) {
 		arbiter_heard(&self->lamps[lamp].arbiter, now_us, security_source(who->way));
 	}
@@ -503,8 +476,8 @@ void pharos_device_report_heat(struct pharos_device *self, int64_t now_us, uint8
 	const struct illuminator_event event = {.kind = ILLUMINATOR_EVENT_THERMAL,
 	                                        .thermal = *report};
 
-	(void)step_lamp(self, now_us, lamp, &event);
-	effects_of(self)->reports |= bit_of(lamp);
+	(void)device_step_lamp(self, now_us, lamp, &event);
+	device_effects_of(self)->reports |= bit_of(lamp);
 }
 
 void pharos_device_report_driver(struct pharos_device *self, uint8_t lamp, bool fault)
@@ -525,7 +498,7 @@ static void step_arbiter(struct pharos_device *self, int64_t now_us, uint8_t lam
 			.fallback = arbiter->config.fallback,
 		};
 
-		(void)step_lamp(self, now_us, lamp, &event);
+		(void)device_step_lamp(self, now_us, lamp, &event);
 		show_commander(self);
 	}
 }
@@ -537,7 +510,7 @@ static void step_self_test(struct pharos_device *self, int64_t now_us, uint8_t l
 	struct illuminator_event event;
 
 	while (self_test_step(&tested->self_test, now_us, &tested->illuminator, &event)) {
-		(void)step_lamp(self, now_us, lamp, &event);
+		(void)device_step_lamp(self, now_us, lamp, &event);
 	}
 }
 

@@ -53,7 +53,7 @@ enum device_result {
 	DEVICE_DENIED, /* a value out of range */
 	DEVICE_FAILED, /* valid, but not now: heat, no power, a controller that arms, a test runs */
 	DEVICE_ABSENT, /* this device has no such thing */
-	DEVICE_EXCLUDED,  /* the source may not, by parameter */
+	DEVICE_EXCLUDED,  /* the source may not: excluded by parameter, or without the key */
 	DEVICE_OUTRANKED, /* not now: a source with priority is in command */
 	DEVICE_KEPT,      /* a repetition; somebody else is in command, and stays so */
 };
@@ -86,6 +86,7 @@ struct device_config {
 
 struct pharos_device {
 	struct params params;
+	struct security security;
 	struct device_lamp lamps[DEVICE_LAMPS_MAX];
 #ifdef CONFIG_PHAROS_GIMBAL
 	bool has_gimbal; /* else the next two mean nothing */
@@ -94,6 +95,8 @@ struct pharos_device {
 #endif
 #ifdef CONFIG_PHAROS_IMC
 	struct actuators actuators;
+	enum security_way scheduled[POWER_CHANNELS_MAX]; /* who the channel's schedules are from */
+	enum security_way shut_down; /* who the power-down is from, that goes on or is scheduled */
 #endif
 	struct device_effects effects;
 	bool has_effects;
@@ -102,6 +105,16 @@ struct pharos_device {
 /* With self->params as loaded, which the caller does before. The lamps are off. */
 void pharos_device_init(struct pharos_device *self, int64_t now_us,
                         const struct device_config *config);
+
+/*
+ * The security table's answer. Every verb below asks by itself; a protocol asks where what it is to
+ * do lies outside the device: a restart, an update, whose vehicle's system id it takes.
+ */
+bool pharos_device_may(const struct pharos_device *self, const struct device_who *who,
+                       enum security_right right);
+
+/* There is a key, or none any more. What was scheduled without a right to it now lapses. */
+void pharos_device_set_keyed(struct pharos_device *self, int64_t now_us, bool has_key);
 
 /* --- commands --------------------------------------------------------------------------------- */
 
@@ -184,11 +197,12 @@ enum device_result pharos_device_output(struct pharos_device *self, int64_t now_
                                         const struct actuators_event *event);
 #endif
 
-/* Results as params_set. In force at once, as far as the core is concerned. */
+/* Results as params_set, or FORBIDDEN. In force at once, as far as the core is concerned. */
 enum params_result pharos_device_set_param(struct pharos_device *self, int64_t now_us,
                                            const struct device_who *who, uint32_t index,
                                            int32_t value);
-void pharos_device_reset_params(struct pharos_device *self, int64_t now_us,
+/* False: that source may not. */
+bool pharos_device_reset_params(struct pharos_device *self, int64_t now_us,
                                 const struct device_who *who);
 
 /* --- reports ---------------------------------------------------------------------------------- */

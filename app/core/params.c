@@ -447,6 +447,55 @@ void params_arbiter(const struct params *self, struct arbiter_config *config)
 	};
 }
 
+void params_security(const struct params *self, struct security *security)
+{
+	security->excluded = unsigned_value(self, PARAM_LGT_SRC_EXCL);
+#ifdef CONFIG_PHAROS_SIGNING
+	security->dronecan = (enum security_grant)self->values[PARAM_MAV_KEY_CAN];
+#ifdef CONFIG_PHAROS_IMC
+	security->imc = (enum security_grant)self->values[PARAM_MAV_KEY_IMC];
+#endif
+#endif
+}
+
+static bool is_lock(uint32_t index)
+{
+#ifdef CONFIG_PHAROS_SIGNING
+	if (index == PARAM_MAV_SECURE || index == PARAM_MAV_KEY_CAN) {
+		return true;
+	}
+#ifdef CONFIG_PHAROS_IMC
+	if (index == PARAM_MAV_KEY_IMC) {
+		return true;
+	}
+#endif
+#endif
+	return index == PARAM_LGT_SRC_EXCL;
+}
+
+enum security_right params_right(uint32_t index)
+{
+	PHAROS_ASSERT(index < PARAM_COUNT);
+	if (is_lock(index)) {
+		return SECURITY_LOCK;
+	}
+	switch (table[index].group) {
+	case PARAM_GROUP_LIGHT:
+	case PARAM_GROUP_SYNC:
+	case PARAM_GROUP_GIMBAL:
+	case PARAM_GROUP_OUTPUTS:
+		return SECURITY_PARAMS;
+	case PARAM_GROUP_THERMAL:
+	case PARAM_GROUP_ARBITER:
+	case PARAM_GROUP_MAVLINK:
+	case PARAM_GROUP_DRONECAN:
+	case PARAM_GROUP_IMC:
+	case PARAM_GROUP_COUNT:
+		break;
+	}
+	return SECURITY_SUPERVISION;
+}
+
 #ifdef CONFIG_PHAROS_GIMBAL
 void params_gimbal(const struct params *self, struct gimbal_config *config)
 {
@@ -497,6 +546,8 @@ const char *params_result_name(enum params_result result)
 		return "out of range";
 	case PARAMS_CONFLICT:
 		return "conflicts with another parameter";
+	case PARAMS_FORBIDDEN:
+		return "not from here";
 	}
 	PHAROS_ASSERT(false);
 	return "";

@@ -17,6 +17,7 @@
 #include "core/illuminator.h"
 #include "core/limits.h"
 #include "core/params_table.h"
+#include "core/security.h"
 #include "core/sync.h"
 #include "core/thermal.h"
 #include "core/thruster.h"
@@ -70,6 +71,7 @@ enum params_result {
 	PARAMS_READ_ONLY,
 	PARAMS_OUT_OF_RANGE,
 	PARAMS_CONFLICT,
+	PARAMS_FORBIDDEN, /* to that source: security.h */
 };
 
 struct params {
@@ -155,6 +157,12 @@ void params_sync(const struct params *self, struct sync_config *config);
 void params_thruster(const struct params *self, struct thruster_config *config);
 #endif
 void params_arbiter(const struct params *self, struct arbiter_config *config);
+
+/* What the security table takes of the parameters; has_key stays. */
+void params_security(const struct params *self, struct security *security);
+
+/* The right to change a parameter (asserted to be one): LOCK, SUPERVISION or PARAMS. */
+enum security_right params_right(uint32_t index);
 #ifdef CONFIG_PHAROS_GIMBAL
 void params_gimbal(const struct params *self, struct gimbal_config *config);
 #endif

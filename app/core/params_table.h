@@ -110,9 +110,20 @@
 	  "MAVLink component id")
 
 #ifdef CONFIG_PHAROS_SIGNING
+#ifdef CONFIG_PHAROS_IMC
+#define PARAMS_KEY_IMC(X)                                                                          \
+	X(MAV_KEY_IMC, MAVLINK, "", 0, 2, CONFIG_PHAROS_KEY_IMC, 0,                                \
+	  "What IMC may do beside a key: 0 look, 1 lamp, gimbal and outputs, 2 all but lock and "  \
+	  "key")
+#else
+#define PARAMS_KEY_IMC(X)
+#endif
 #define PARAMS_SIGNING(X)                                                                          \
 	X(MAV_SECURE, MAVLINK, "", 0, 255, CONFIG_PHAROS_SECURE_LINKS, 0,                          \
-	  "Links that may set the key: sum of 1 for the first UART, 2, 4 …, tunnels last")
+	  "Links that may set the key: sum of 1 for the first UART, 2, 4 …, tunnels last")         \
+	X(MAV_KEY_CAN, MAVLINK, "", 0, 2, CONFIG_PHAROS_KEY_CAN, 0,                                \
+	  "What DroneCAN may do beside a key: 0 look, 1 lamp and gimbal, 2 all but lock and key")  \
+	PARAMS_KEY_IMC(X)
 #else
 #define PARAMS_SIGNING(X)
 #endif

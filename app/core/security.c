@@ -25,7 +25,7 @@ static const struct {
 	[SECURITY_WAY_DRONECAN] = {LOOK | LAMP | MIND | RIGHT(LOCK), 0, LOOK},
 	[SECURITY_WAY_IMC] = {LOOK | LAMP | MIND | RIGHT(LOCK), 0, LOOK},
 	[SECURITY_WAY_SHELL] = {LOOK | LAMP | MIND | LOCKS, LOOK | LAMP | MIND | LOCKS,
-                                LOOK | LOCKS},
+                                LOOK | LOCKS | RIGHT(RESTART)},
 	[SECURITY_WAY_BUTTON] = {RIGHT(EXIST) | RIGHT(LIGHT), RIGHT(EXIST) | RIGHT(LIGHT), 0},
 };
 

@@ -9,7 +9,8 @@
  * Without a key everybody who is not excluded may do everything, but the key comes only over a
  * secure link or the console. With a key, what is unsigned may do nothing; DroneCAN and IMC, which
  * have no signatures, may do what MAV_KEY_CAN and MAV_KEY_IMC say. An excluded source may look, no
- * more; but the console can always change exclusion and key, so that nobody is locked out for good.
+ * more; but the console can always change exclusion and key, and restart, so that nobody is locked
+ * out for good.
  *
  * Context: any; nothing here changes anything.
  */

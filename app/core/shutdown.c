@@ -105,6 +105,13 @@ static void count_down(struct shutdown *self, int64_t now_us)
 	tell(self, SHUTDOWN_OP_DOWN_IN_PROGRESS, remain_us);
 }
 
+void shutdown_lapse(struct shutdown *self)
+{
+	self->schedule_down_us = TIME_NEVER_US;
+	self->schedule_up_us = TIME_NEVER_US;
+	abort_down(self);
+}
+
 bool shutdown_advance(struct shutdown *self, int64_t now_us, struct shutdown_notice *notice)
 {
 	if (!self->noticed && self->schedule_down_us <= now_us) {

@@ -60,6 +60,9 @@ void shutdown_init(struct shutdown *self, int64_t grace_us);
  */
 bool shutdown_command(struct shutdown *self, int64_t now_us, uint32_t op, int64_t time_us);
 
+/* Ends a power-down that goes on, and every schedule: of who may not have them any more. */
+void shutdown_lapse(struct shutdown *self);
+
 /*
  * Does what has fallen due. True: *notice is to be told; call again, there may be another. Call
  * after shutdown_command() and at the deadline.

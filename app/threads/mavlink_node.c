@@ -59,11 +59,30 @@ static void add_gimbal(int64_t now_us)
 #endif
 }
 
+#ifdef CONFIG_PHAROS_SIGNING
+/* A key that comes over MAVLink comes on a secure link: there is none while MAVLink is excluded. */
+static uint8_t secure_links(void)
+{
+	const struct device_who who = {.way = SECURITY_WAY_MAVLINK_SIGNED};
+
+	return pharos_device_may(device, &who, SECURITY_KEY)
+	               ? (uint8_t)device->params.values[PARAM_MAV_SECURE]
+	               : 0;
+}
+#endif
+
+/* The device's security table stands on whether there is a key. */
+static void tell_key(void)
+{
+#ifdef CONFIG_PHAROS_SIGNING
+	pharos_device_set_keyed(device, clock_now_us(), endpoint.signing.on);
+#endif
+}
+
 static void configure(void)
 {
 #ifdef CONFIG_PHAROS_SIGNING
-	mavlink_endpoint_set_secure_links(&endpoint,
-	                                  (uint8_t)device->params.values[PARAM_MAV_SECURE]);
+	mavlink_endpoint_set_secure_links(&endpoint, secure_links());
 #endif
 #ifdef CONFIG_PHAROS_ROUTING
 	const bool routing = device->params.values[PARAM_MAV_ROUTE] != 0;
@@ -98,6 +117,7 @@ void mavlink_node_init(struct pharos_device *its)
 
 	storage_load_signing(&stored);
 	mavlink_endpoint_restore_key(&endpoint, now_us, &stored);
+	tell_key();
 #endif
 	mavlink_endpoint_add(&endpoint, now_us, (uint8_t)device->params.values[PARAM_MAV_COMPID],
 	                     &mavlink_illuminator_profile, &illuminator);
@@ -110,6 +130,7 @@ void mavlink_node_init(struct pharos_device *its)
 void mavlink_node_set_key(const struct mavlink_signing_record *record)
 {
 	mavlink_endpoint_set_key(&endpoint, clock_now_us(), record);
+	tell_key();
 }
 #endif
 
@@ -153,11 +174,13 @@ void mavlink_node_take(uint8_t link, const uint8_t *bytes, size_t length)
 	received = bytes;
 	received_length = length;
 	mavlink_endpoint_receive(&endpoint, clock_now_us(), link, bytes, length, &out);
+	tell_key();
 }
 
 void mavlink_node_tell(const struct device_effects *effects)
 {
-	if (param_set_touches(&effects->params, PARAM_GROUP_MAVLINK)) {
+	if (param_set_touches(&effects->params, PARAM_GROUP_MAVLINK) ||
+	    param_set_touches(&effects->params, PARAM_GROUP_ARBITER)) {
 		configure();
 	}
 	mavlink_endpoint_tell(&endpoint, clock_now_us(), effects);

@@ -14,6 +14,7 @@ from dronecan.app.node_monitor import NodeMonitor
 
 from dronecan_peer import PEER, Peer
 from harness import ACCEPTED, BUILD, BUS, CONSOLE, NODE, ON_OFF, Shell, of, set_over_can
+from parameters import as_float, send_set
 from pharos import Simulator, Source, Tunnel
 
 log_level = uavcan.protocol.debug.LogLevel()
@@ -251,10 +252,11 @@ def test_excluded_and_outranked_dronecan_commands_change_nothing(peer: Peer) -> 
     assert peer.param("LGT_SRC_EXCL", 2) == 2
     peer.tell(hardpoint(1))
     assert brightness_of(peer.sim)[0] == 0
-    peer.param("LGT_SRC_EXCL", 0)
-    peer.param("LGT_SRC_PRIO", 1)
+    assert peer.param("LGT_SRC_EXCL", 0) == 2, "who is excluded does not let itself in again"
     client = peer.sim.connect("can0", tunnel=Tunnel(own=20))
     client.heartbeat()
+    send_set(client, "LGT_SRC_EXCL", as_float(0))
+    assert peer.param("LGT_SRC_PRIO", 1) == 1
     assert client.command_long(ON_OFF, 0).result == ACCEPTED
     peer.tell(hardpoint(1))
     assert brightness_of(peer.sim)[0] == 0

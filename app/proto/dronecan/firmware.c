@@ -5,6 +5,8 @@
 
 #include "core/assert.h"
 
+static const struct device_who who = {.way = SECURITY_WAY_DRONECAN};
+
 #define PRIORITY_READ  24u
 #define READ_REPEAT_US (1 * US_PER_S)
 #define READ_TRIES_MAX 10u
@@ -63,6 +65,12 @@ static void begin(struct dronecan_firmware *self, int64_t now_us,
 		self->stats.refused++;
 		answer(self, now_us, transfer,
 		       DRONECAN_FILE_BEGIN_FIRMWARE_UPDATE_ERROR_INVALID_MODE, self->unavailable);
+		return;
+	}
+	if (!pharos_device_may(self->node->device, &who, SECURITY_UPDATE)) {
+		self->stats.refused++;
+		answer(self, now_us, transfer, DRONECAN_FILE_BEGIN_FIRMWARE_UPDATE_ERROR_UNKNOWN,
+		       "DroneCAN may not: LGT_SRC_EXCL, MAV_KEY_CAN");
 		return;
 	}
 	if (server > DRONECAN_NODE_ID_MAX || message.image_file_remote_path.path_len == 0) {
@@ -147,6 +155,10 @@ static void take_block(struct dronecan_firmware *self, const struct dronecan_tra
 	}
 	if (response->error.value != (int16_t)DRONECAN_FILE_ERROR_OK) {
 		fail(self, response->error.value, out);
+		return;
+	}
+	if (!pharos_device_may(self->node->device, &who, SECURITY_UPDATE)) {
+		fail(self, (int16_t)DRONECAN_FILE_ERROR_ACCESS_DENIED, out);
 		return;
 	}
 	hold(self);

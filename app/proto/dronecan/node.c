@@ -5,6 +5,8 @@
 
 #include "core/assert.h"
 
+static const struct device_who who = {.way = SECURITY_WAY_DRONECAN};
+
 #define STATUS_PERIOD_US ((int64_t)DRONECAN_NODE_STATUS_MAX_BROADCASTING_PERIOD_MS * US_PER_MS)
 /* Time for the answer to leave before the reset. */
 #define RESTART_DELAY_US (50 * US_PER_MS)
@@ -187,7 +189,8 @@ static void restart_node(struct dronecan_node *self, int64_t now_us,
 		self->stats.malformed++;
 		return;
 	}
-	response.ok = message.magic_number == DRONECAN_RESTART_NODE_MAGIC_NUMBER;
+	response.ok = message.magic_number == DRONECAN_RESTART_NODE_MAGIC_NUMBER &&
+	              pharos_device_may(self->device, &who, SECURITY_RESTART);
 	if (!dronecan_restart_node_response_encode(&response, true, data, sizeof(data), &size)) {
 		return;
 	}

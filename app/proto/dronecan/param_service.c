@@ -123,13 +123,14 @@ void dronecan_node_execute_opcode(struct dronecan_node *self, int64_t now_us,
 		self->stats.malformed++;
 		return;
 	}
-	if (message.opcode == DRONECAN_PARAM_EXECUTE_OPCODE_OPCODE_SAVE) {
+	if (message.opcode == DRONECAN_PARAM_EXECUTE_OPCODE_OPCODE_SAVE &&
+	    pharos_device_may(self->device, &who, SECURITY_PARAMS)) {
 		out->actions[out->count++] =
 			(struct dronecan_node_action){.kind = DRONECAN_NODE_SAVE};
-	} else if (message.opcode == DRONECAN_PARAM_EXECUTE_OPCODE_OPCODE_ERASE) {
+	} else if (message.opcode == DRONECAN_PARAM_EXECUTE_OPCODE_OPCODE_ERASE &&
+	           pharos_device_reset_params(self->device, now_us, &who)) {
 		out->actions[out->count++] =
 			(struct dronecan_node_action){.kind = DRONECAN_NODE_ERASE};
-		pharos_device_reset_params(self->device, now_us, &who);
 	} else {
 		response.ok = false;
 	}

@@ -345,11 +345,14 @@ static void heartbeat(const struct mavlink_context *context, const struct mavlin
 		.autopilot = wire.autopilot,
 	};
 
+	const struct device_who who = mavlink_who(context);
+
+	if (!pharos_device_may(self->device, &who, SECURITY_EXIST)) {
+		return;
+	}
 	mavlink_vehicle_heard(&context->endpoint->vehicle, context->now_us, &said);
 	if (!mavlink_is_relay(frame) &&
 	    (wire.type == MAV_TYPE_GCS || wire.autopilot != MAV_AUTOPILOT_INVALID)) {
-		const struct device_who who = mavlink_who(context);
-
 		pharos_device_heard(self->device, context->now_us, &who);
 	}
 }

@@ -179,6 +179,8 @@ static uint8_t error_of(enum params_result result)
 	case PARAMS_OUT_OF_RANGE:
 	case PARAMS_CONFLICT:
 		return MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE;
+	case PARAMS_FORBIDDEN:
+		break;
 	}
 	return MAV_PARAM_ERROR_PERMISSION_DENIED;
 }

@@ -12,6 +12,7 @@ uint8_t mavlink_preflight_reboot(const struct mavlink_context *context,
                                  const struct mavlink_command *command, struct mavlink_reply *reply)
 {
 	const struct mavlink_illuminator *const self = context->component->service;
+	const struct device_who who = mavlink_who(context);
 	uint32_t action;
 	uint32_t component;
 
@@ -21,6 +22,9 @@ uint8_t mavlink_preflight_reboot(const struct mavlink_context *context,
 	    action != REBOOT_SHUTDOWN_ACTION_REBOOT ||
 	    (component != 0 && component != context->component->id)) {
 		return command->to_all ? MAVLINK_NO_ANSWER : MAV_RESULT_DENIED;
+	}
+	if (!pharos_device_may(self->device, &who, SECURITY_RESTART)) {
+		return MAV_RESULT_DENIED;
 	}
 	if (pharos_device_lamp(self->device, self->lamp)->illuminator.settings.enable &&
 	    command->param[5] != (float)REBOOT_SHUTDOWN_CONDITIONS_FORCE) {
@@ -52,8 +56,9 @@ uint8_t mavlink_preflight_storage(const struct mavlink_context *context,
 		return MAV_RESULT_ACCEPTED;
 	case PARAM_RESET_FACTORY_DEFAULT:
 	case PARAM_RESET_ALL_DEFAULT:
-		pharos_device_reset_params(self->device, context->now_us, &who);
-		return MAV_RESULT_ACCEPTED;
+		return pharos_device_reset_params(self->device, context->now_us, &who)
+		               ? MAV_RESULT_ACCEPTED
+		               : MAV_RESULT_DENIED;
 	default:
 		return command->to_all ? MAVLINK_NO_ANSWER : MAV_RESULT_DENIED;
 	}

@@ -194,8 +194,13 @@ static int cmd_light_program(const struct shell *sh, size_t argc, char **argv)
 		            program_name(PROGRAM_SOS));
 		return -EINVAL;
 	}
-	if (!shell_call(sh, set_program, &kind, NULL)) {
+	int result;
+
+	if (!shell_call(sh, set_program, &kind, &result)) {
 		return -EAGAIN;
+	}
+	if (result != PARAMS_OK) {
+		return say_refused(sh, DEVICE_EXCLUDED, "light status");
 	}
 	shell_print(sh, "ok");
 	return 0;

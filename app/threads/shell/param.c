@@ -107,20 +107,27 @@ static int cmd_param_set(const struct shell *sh, size_t argc, char **argv)
 		shell_error(sh, "%s does not go with a related parameter (see: param get %.4s)",
 		            argv[2], argv[1]);
 		return -ERANGE;
+	case PARAMS_FORBIDDEN:
+		shell_error(sh, "the shell is excluded (see: param get LGT_SRC_EXCL)");
+		return -EACCES;
 	}
 	return -EINVAL;
 }
 
 static int reset_params(struct pharos_device *device, void *argument)
 {
-	pharos_device_reset_params(device, clock_now_us(), &shell_who);
-	return 0;
+	return pharos_device_reset_params(device, clock_now_us(), &shell_who) ? 0 : -EACCES;
 }
 
 static int cmd_param_reset(const struct shell *sh, size_t argc, char **argv)
 {
-	if (!shell_call(sh, reset_params, NULL, NULL)) {
+	int result;
+
+	if (!shell_call(sh, reset_params, NULL, &result)) {
 		return -EAGAIN;
+	}
+	if (result != 0) {
+		return say_refused(sh, DEVICE_EXCLUDED, "light status");
 	}
 	shell_print(sh, "all parameters are at their defaults");
 	return 0;

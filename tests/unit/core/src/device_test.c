@@ -509,3 +509,84 @@ ZTEST(core_device, test_a_lamp_that_there_is_not)
 	(void)pharos_device_apply(&device, now_us, &mavlink, DEVICE_LAMPS_MAX, &on, 1);
 	zassert_unreachable();
 }
+
+/* --- the security table ----------------------------------------------------------------------- */
+
+/* Every verb asks: a way that may nothing changes nothing at all, and takes no command. */
+ZTEST(core_device, test_who_may_not_changes_nothing_by_any_verb)
+{
+	static const enum security_way ways[] = {SECURITY_WAY_MAVLINK, SECURITY_WAY_DRONECAN,
+	                                         SECURITY_WAY_IMC};
+	const struct attitude attitude = {0};
+	enum self_test_state obstacle;
+
+	report(THERMAL_STATE_NORMAL, THERMAL_SENSOR_OK);
+	pharos_device_set_keyed(&device, now_us, true);
+	(void)took();
+	for (size_t i = 0; i < ARRAY_SIZE(ways); i++) {
+		const struct device_who who = {.way = ways[i]};
+
+		before_it = device;
+		now_us += S;
+		zassert_equal(give(&who, &on), DEVICE_EXCLUDED);
+		zassert_equal(pharos_device_point(&device, now_us, &who, &right), DEVICE_EXCLUDED);
+		zassert_equal(pharos_device_test(&device, now_us, &who, 0, PPM_ONE, &obstacle),
+		              DEVICE_EXCLUDED);
+		zassert_equal(pharos_device_set_param(&device, now_us, &who, PARAM_LGT_CURVE, 0),
+		              PARAMS_FORBIDDEN);
+		zassert_false(pharos_device_reset_params(&device, now_us, &who));
+		pharos_device_heard(&device, now_us, &who);
+		pharos_device_report_attitude(&device, now_us, &who, &attitude);
+#ifdef CONFIG_PHAROS_IMC
+		const struct actuators_event led = {.kind = ACTUATORS_EVENT_LED, .led = 10};
+
+		zassert_equal(pharos_device_output(&device, now_us, &who, &led), DEVICE_EXCLUDED);
+#endif
+		zassert_mem_equal(&device, &before_it, sizeof(device));
+	}
+	zassert_equal(give(&shell, &on), DEVICE_ACCEPTED);
+}
+
+ZTEST(core_device, test_a_test_is_cancelled_by_who_may_light)
+{
+	enum self_test_state obstacle;
+
+	report(THERMAL_STATE_NORMAL, THERMAL_SENSOR_OK);
+	zassert_equal(pharos_device_test(&device, now_us, &shell, 0, PPM_ONE, &obstacle),
+	              DEVICE_ACCEPTED);
+	param_set(PARAM_LGT_SRC_EXCL, 2); /* DroneCAN */
+	zassert_false(pharos_device_cancel_test(&device, now_us, &dronecan, 0));
+	zassert_true(pharos_device_cancel_test(&device, now_us, &mavlink, 0));
+}
+
+ZTEST(core_device, test_each_parameter_has_the_right_that_it_touches)
+{
+	zassert_equal(params_right(PARAM_LGT_SRC_EXCL), SECURITY_LOCK);
+	zassert_equal(params_right(PARAM_MAV_SECURE), SECURITY_LOCK);
+	zassert_equal(params_right(PARAM_MAV_KEY_CAN), SECURITY_LOCK);
+#ifdef CONFIG_PHAROS_IMC
+	zassert_equal(params_right(PARAM_MAV_KEY_IMC), SECURITY_LOCK);
+	zassert_equal(params_right(PARAM_IMC_ID), SECURITY_SUPERVISION);
+#endif
+	zassert_equal(params_right(PARAM_THR_SHUTDOWN), SECURITY_SUPERVISION);
+	zassert_equal(params_right(PARAM_LGT_SRC_PRIO), SECURITY_SUPERVISION);
+	zassert_equal(params_right(PARAM_MAV_SYSID), SECURITY_SUPERVISION);
+	zassert_equal(params_right(PARAM_CAN_NODE_ID), SECURITY_SUPERVISION);
+	zassert_equal(params_right(PARAM_LGT_CURVE), SECURITY_PARAMS);
+	zassert_equal(params_right(PARAM_SYNC_MODE), SECURITY_PARAMS);
+	zassert_equal(params_right(PARAM_GMB_PAN_MAX), SECURITY_PARAMS);
+}
+
+/* Only who may everything resets everything: the lock is among it. */
+ZTEST(core_device, test_a_reset_of_parameters_opens_no_lock)
+{
+	param_set(PARAM_MAV_KEY_CAN, SECURITY_GRANT_ALL);
+	param_set(PARAM_LGT_SRC_EXCL, 4);
+	pharos_device_set_keyed(&device, now_us, true);
+	zassert_equal(pharos_device_set_param(&device, now_us, &dronecan, PARAM_LGT_CURVE, 0),
+	              PARAMS_OK);
+	zassert_false(pharos_device_reset_params(&device, now_us, &dronecan));
+	zassert_equal(param_get(PARAM_LGT_SRC_EXCL), 4);
+	zassert_true(pharos_device_reset_params(&device, now_us, &shell));
+	zassert_equal(param_get(PARAM_LGT_SRC_EXCL), 0);
+}

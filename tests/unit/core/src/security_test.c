@@ -99,7 +99,7 @@ ZTEST(core_security, test_an_excluded_source_may_look)
 	check(&buses, SECURITY_WAY_DRONECAN, "yxxxxxxx-xx");
 	check(&buses, SECURITY_WAY_IMC, "yxxxxxxx-xx");
 	check(&buses, SECURITY_WAY_MAVLINK, "yyyyyyyyyyy");
-	check(&shell, SECURITY_WAY_SHELL, "yxxxxxxyyxx");
+	check(&shell, SECURITY_WAY_SHELL, "yxxxxxxyyyx");
 	check(&shell, SECURITY_WAY_BUTTON, "-xx--------");
 }
 
@@ -116,7 +116,7 @@ ZTEST(core_security, test_a_key_opens_nothing_to_the_excluded)
 	check(&both, SECURITY_WAY_MAVLINK_SIGNED, "yxxxxxxxxxx");
 	check(&both, SECURITY_WAY_DRONECAN, "yxxxxxxx-xx");
 	check(&both, SECURITY_WAY_IMC, "yxxxxxxx-xx");
-	check(&both, SECURITY_WAY_SHELL, "yxxxxxxyyxx");
+	check(&both, SECURITY_WAY_SHELL, "yxxxxxxyyyx");
 	check(&both, SECURITY_WAY_BUTTON, "-xx--------");
 }
 
