@@ -23,7 +23,7 @@ from dronecan import uavcan
 from prompt_toolkit.completion import CompleteEvent
 from prompt_toolkit.document import Document
 
-from pharos.cli import main
+from pharos.cli import main, man
 from pharos.cli.can import Seen
 from pharos.cli.prompt import CommandCompleter
 from pharos.dialect import MODULE, generated_dialect, load_dialect
@@ -148,6 +148,15 @@ def test_shells_complete_it(tmp_path: Path, line: str, words: set[str]) -> None:
 def test_what_shells_need_is_printed(shell: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert _code("completion", shell) == 0
     assert "pharos" in capsys.readouterr().out
+
+
+def test_the_man_page_has_every_command() -> None:
+    page = man.page()
+    assert page.startswith(".TH PHAROS")
+    for name in ("shell", "check", "find", "param", "strobe", "signing", "can", "imc"):
+        assert f"pharos {name}" in page
+    assert "exit codes:" in page
+    assert "%%" not in page
 
 
 def test_pharos_alone_shows_what_there_is(capsys: pytest.CaptureFixture[str]) -> None:

@@ -121,7 +121,7 @@ BUS_HELP = "python-can's INTERFACE/CHANNEL; default: pharos-udp, the user-space 
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    parser = _parser()
+    parser = make_parser()
     if "_ARGCOMPLETE" in os.environ:
         from .completion import complete
 
@@ -150,7 +150,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return OK
 
 
-def _parser() -> argparse.ArgumentParser:
+def make_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="pharos",
         description=(
@@ -160,7 +160,7 @@ def _parser() -> argparse.ArgumentParser:
         epilog=MAIN,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--version", action="version", version=f"pharos {_version()}")
+    parser.add_argument("--version", action="version", version=f"pharos {pharos_version()}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     _add_shell(commands)
     _add_plain(commands)
@@ -565,7 +565,7 @@ def run_piped(shell: Shell) -> int:
     return OK
 
 
-def _version() -> str:
+def pharos_version() -> str:
     try:
         return version("pharos")
     except PackageNotFoundError:
