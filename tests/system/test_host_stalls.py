@@ -7,6 +7,7 @@ import contextlib
 import fcntl
 import os
 import pty
+import select
 import signal
 import subprocess
 import time
@@ -62,6 +63,7 @@ class RealLight:
         deadline = time.monotonic() + PATIENCE_S
         while not condition():
             assert time.monotonic() < deadline, f"never came: {what}"
+            select.select([], [], [], 0.005)
 
     def run_for(self, us: int) -> None:
         """Board time goes on by this much."""
@@ -256,6 +258,7 @@ def test_a_slow_disk_stops_nothing(slow: Start, tmp_path: Path) -> None:
 
 def test_an_end_waits_for_a_write_that_was_begun(slow: Start) -> None:
     light = slow()
+    light.switch_on()
     _store(light)
     assert light.control.request("quit")["ok"]
     assert light.process.wait(PATIENCE_S) == 0
@@ -264,6 +267,7 @@ def test_an_end_waits_for_a_write_that_was_begun(slow: Start) -> None:
 
 def test_a_reset_waits_for_a_write_that_was_begun(slow: Start) -> None:
     light = slow()
+    light.switch_on()
     _store(light)
     light.control.request("reset")
     assert not _is_writing(light)

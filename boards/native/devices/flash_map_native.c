@@ -49,6 +49,14 @@ static uint32_t at(const struct flash_area *fa, off_t off)
 	return (uint32_t)(fa->fa_off + off);
 }
 
+/* What was changed, also where power failed meanwhile. rc: how that went. */
+static int keep(const struct flash_area *fa, off_t off, size_t len, int rc)
+{
+	const int kept = flash_store_keep(at(fa, off), (uint32_t)len);
+
+	return rc != 0 ? rc : kept;
+}
+
 int flash_area_read(const struct flash_area *fa, off_t off, void *dst, size_t len)
 {
 	return is_inside(fa, off, len) ? flash_read(flash_store(), at(fa, off), dst, (uint32_t)len)
@@ -62,8 +70,10 @@ int flash_area_write(const struct flash_area *fa, off_t off, const void *src, si
 	if (fault != 0) {
 		return fault;
 	}
-	return is_inside(fa, off, len) ? flash_write(flash_store(), at(fa, off), src, (uint32_t)len)
-	                               : -EINVAL;
+	return is_inside(fa, off, len)
+	               ? keep(fa, off, len,
+	                      flash_write(flash_store(), at(fa, off), src, (uint32_t)len))
+	               : -EINVAL;
 }
 
 int flash_area_erase(const struct flash_area *fa, off_t off, size_t len)
@@ -73,8 +83,9 @@ int flash_area_erase(const struct flash_area *fa, off_t off, size_t len)
 	if (fault != 0) {
 		return fault;
 	}
-	return is_inside(fa, off, len) ? flash_erase(flash_store(), at(fa, off), (uint32_t)len)
-	                               : -EINVAL;
+	return is_inside(fa, off, len)
+	               ? keep(fa, off, len, flash_erase(flash_store(), at(fa, off), (uint32_t)len))
+	               : -EINVAL;
 }
 
 uint32_t flash_area_align(const struct flash_area *fa)

@@ -9,8 +9,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "devices/bridge.h"
 #include "host/carry.h"
 #include "host/claim.h"
+#include "host/clock.h"
 #include "host/control.h"
 #include "host/module.h"
 #include "host/say.h"
@@ -19,10 +21,60 @@
 static struct flash flash = {.size = FLASH_STORE_SIZE};
 static const char *path;
 static int fd = -1;
+static bool is_copy; /* memory is, of the file */
 
 struct flash *flash_store(void)
 {
 	return &flash;
+}
+
+/* --- the file of a copy ------------------------------------------------------------------------
+ */
+
+struct range {
+	uint32_t offset;
+	uint32_t size;
+	int rc;
+};
+
+static void write_range(void *arg)
+{
+	struct range *range = arg;
+
+	for (uint32_t done = 0; done < range->size && range->rc == 0;) {
+		const ssize_t n = pwrite(fd, flash.inverted + range->offset + done,
+		                         range->size - done, (off_t)(range->offset + done));
+
+		if (n > 0) {
+			done += (uint32_t)n;
+		} else if (n < 0 && errno != EINTR) {
+			range->rc = -errno;
+		}
+	}
+}
+
+int flash_store_keep(uint32_t offset, uint32_t size)
+{
+	struct range range = {.offset = offset, .size = size};
+
+	if (is_copy) {
+		bridge_wait_for(write_range, &range);
+	}
+	return range.rc;
+}
+
+static bool read_copy(void)
+{
+	for (uint32_t done = 0; done < FLASH_STORE_SIZE;) {
+		const ssize_t n =
+			pread(fd, flash.inverted + done, FLASH_STORE_SIZE - done, (off_t)done);
+
+		if (n <= 0 && errno != EINTR) {
+			return false;
+		}
+		done += n > 0 ? (uint32_t)n : 0;
+	}
+	return true;
 }
 
 /* --- options and faults ----------------------------------------------------------------------- */
@@ -104,8 +156,10 @@ static int fail(const char *reason)
 	return -1;
 }
 
-static void boot(void)
+/* 0 or -errno. */
+static int boot(void)
 {
+	struct range all = {.size = FLASH_STORE_SIZE};
 	static const struct bootloader_slots slots = {
 		.first = 0,
 		.second = FLASH_SLOT_SIZE,
@@ -114,7 +168,7 @@ static void boot(void)
 
 	switch (bootloader_run(&flash, &slots)) {
 	case BOOTLOADER_NOTHING:
-		break;
+		return 0;
 	case BOOTLOADER_SWAPPED:
 		host_say("bootloader: the new image starts, for a test");
 		break;
@@ -125,10 +179,16 @@ static void boot(void)
 		host_say("bootloader: the new image is not whole and does not start");
 		break;
 	}
+	if (is_copy) {
+		write_range(&all);
+	}
+	return all.rc;
 }
 
 static int start(void)
 {
+	int error;
+
 	fd = open_store();
 	if (fd >= 0 && claim_file(fd) != 0) {
 		return fail("another light has it");
@@ -136,23 +196,28 @@ static int start(void)
 	if (fd < 0 || ftruncate(fd, FLASH_STORE_SIZE) != 0) {
 		return fail(strerror(errno));
 	}
-	flash.inverted = mmap(NULL, FLASH_STORE_SIZE, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
-	if (flash.inverted == MAP_FAILED) {
+	is_copy = path != NULL && !clock_is_virtual();
+	flash.inverted =
+		mmap(NULL, FLASH_STORE_SIZE, PROT_READ | PROT_WRITE,
+	             is_copy ? MAP_PRIVATE | MAP_ANONYMOUS : MAP_SHARED, is_copy ? -1 : fd, 0);
+	if (flash.inverted == MAP_FAILED || (is_copy && !read_copy())) {
 		return fail(strerror(errno));
 	}
 	(void)carry_register("flash torn", &flash.torn, sizeof(flash.torn));
-	boot();
-	return 0;
+	error = boot();
+	return error == 0 ? 0 : fail(strerror(-error));
 }
 
 static void save(void)
 {
+	bridge_finish();
 	carry_put("flash", &fd, sizeof(fd));
 	carry_fd(fd);
 }
 
 static void stop(void)
 {
+	bridge_finish();
 	if (fd >= 0) {
 		close(fd);
 	}
