@@ -144,7 +144,7 @@ def linux(_: argparse.Namespace) -> Outcome:
 
 
 def budget(_: argparse.Namespace) -> Outcome:
-    return check(VENV / "python", "tests/budget/run.py")
+    return check(VENV / "python", "tests/budget/budget.py")
 
 
 def fuzz(args: argparse.Namespace) -> Outcome:
