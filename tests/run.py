@@ -10,6 +10,7 @@ import argparse
 import os
 import re
 import shlex
+import signal
 import subprocess
 import sys
 import textwrap
@@ -217,6 +218,8 @@ def main() -> int:
     if unknown:
         parser.error(f"no stage {', '.join(unknown)}; there are: {', '.join(STAGES)}")
 
+    # A job in a script's background ignores SIGINT, which tests send to what they start.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     rows = []
     for name in args.stages or STAGES:
         print(f"\n=== {name}", flush=True)
