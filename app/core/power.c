@@ -14,7 +14,11 @@ static const struct power_timers no_timers = {
 void power_init(struct power *self, uint32_t present, uint32_t on)
 {
 	PHAROS_ASSERT((present & ~CHANNELS_MASK) == 0);
-	*self = (struct power){.present = present, .on = on & present, .saved = on & present};
+	*self = (struct power){
+		.present = present,
+		.on = on & present,
+		.saved = on & CHANNELS_MASK, /* a line that fails today is not given up */
+	};
 	for (uint32_t channel = 0; channel < POWER_CHANNELS_MAX; channel++) {
 		self->timers[channel] = no_timers;
 	}
