@@ -237,6 +237,24 @@ static void take(const struct inbox_item *item)
 	inbox_done(item);
 }
 
+/* Until the watchdog bites a thermal thread that stalls, its last report would be told as true. */
+static void step_heat(void)
+{
+	const struct thermal_report *const last = &device.lamps[LAMP].illuminator.thermal;
+	const struct thermal_report unknown = {
+		.state = last->state,
+		.sensor = THERMAL_SENSOR_FAILED,
+		.fault = THERMAL_FAULT_MISSING,
+		.flags = last->flags | THERMAL_FLAG_THERMISTOR,
+		.dark = true,
+	};
+
+	if (supervisor_age_ms(SUPERVISOR_THERMAL) > SUPERVISOR_LIMIT_MS &&
+	    !(last->dark && last->fault == THERMAL_FAULT_MISSING)) {
+		take_thermal(&unknown);
+	}
+}
+
 static int64_t next_deadline_us(void)
 {
 	const int64_t all_us[] = {
@@ -256,6 +274,7 @@ static int64_t next_deadline_us(void)
 
 static void step(void)
 {
+	step_heat();
 	pharos_device_report_driver(&device, LAMP, inputs_get().driver_fault);
 	pharos_device_step(&device, clock_now_us());
 	settle();
