@@ -12,6 +12,7 @@
 #                       WORKERS=tcp://HOST:8786 spreads them over a Dask cluster
 # make simulate-worker  this machine works for that cluster: SCHEDULER=tcp://HOST:8786
 # make simulate-store   a power cut at every byte of what the store writes: CUTS=1000000
+# make coverage         which lines and branches of app/ the suite takes: build/coverage/html
 # make bench            the figures of README, from one run
 # make picture          docs/heat.svg, from a simulated hour
 # make parameters       docs/parameters.md, from the table
@@ -37,7 +38,7 @@ PYTHON = .venv/bin/python
 
 .DEFAULT_GOAL = help
 .PHONY: help run build host test lint fuzz bench picture parameters format clean
-.PHONY: simulate simulate-worker simulate-store
+.PHONY: simulate simulate-worker simulate-store coverage
 .PHONY: tools test-tools
 
 help:
@@ -97,3 +98,13 @@ format: test-tools
 
 clean:
 	rm -rf build
+
+coverage: test-tools
+	@cmake --preset coverage --log-level=NOTICE >/dev/null
+	@cmake --build build/coverage
+	@find build/coverage -name '*.gcda' -delete
+	-@ctest --test-dir build/coverage -Q -j 2
+	-@PHAROS_BUILD=build/coverage $(PYTHON) -m pytest -q -n 2 tests host
+	-@PHAROS_BUILD=build/coverage $(PYTHON) tests/sim/world/simulate.py --seeds $(SEEDS)
+	@mkdir -p build/coverage/html
+	@.venv/bin/gcovr build/coverage

@@ -144,6 +144,19 @@ def linux(_: argparse.Namespace) -> Outcome:
     return Outcome(result.passed, result.failed, result.replay, result.note)
 
 
+def world(_: argparse.Namespace) -> Outcome:
+    """Worlds of lights, faults and attackers in which every promise must hold."""
+    built = build("native")
+    if built.failed:
+        return built
+    code, output = run(VENV / "python", "tests/sim/world/simulate.py")
+    found = re.search(r"^(\d+) passed, (\d+) failed$", output, re.MULTILINE)
+    if found is None:
+        return Outcome(failed=1, replay="make simulate")
+    failed = max(int(found[2]), int(code != 0))
+    return Outcome(int(found[1]), failed, "make simulate" if failed else "")
+
+
 def budget(_: argparse.Namespace) -> Outcome:
     return check(VENV / "python", "tests/budget/budget.py")
 
@@ -198,6 +211,7 @@ def zephyr(_: argparse.Namespace) -> Outcome:
 STAGES: dict[str, Callable[[argparse.Namespace], Outcome]] = {
     "lint": lint,
     "native": lambda _: suite("native"),
+    "world": world,
     "linux": linux,
     "budget": budget,
     "zephyr": zephyr,
