@@ -28,7 +28,7 @@ refused and change nothing. What is set is stored: a power cut leaves the old or
   which serves the whole table; the gimbal's serves none. Type INT32, bytewise; other integer types
   and whole REAL32 numbers are taken. A refused set is answered by PARAM_ERROR and by PARAM_VALUE
   with what is in force. A list takes 45 % of its link.
-- **DroneCAN**: `uavcan.protocol.param.GetSet`, as integers.
+- **DroneCAN**: `uavcan.protocol.param.GetSet`, as integers; whole real values are taken as well.
 - **Shell**: `param list`, `param get NAME`, `param set NAME VALUE`, `param reset`.
 
 Units: `ppm` parts per million (10 000 ppm = 1 %), `mdegC` thousandths of a degree Celsius, `mdeg`

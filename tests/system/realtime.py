@@ -17,12 +17,12 @@ LIMIT_S = 60.0
 
 
 @contextlib.contextmanager
-def light_at(folder: Path) -> Iterator[str]:
+def light_at(folder: Path, *options: str) -> Iterator[str]:
     """HOST:PORT of a light that runs in real time and listens over UDP."""
     control = folder / "control"
     process = subprocess.Popen(
         [str(BINARY), "--control", str(control), "--uart0", "udpin:127.0.0.1:0",
-         "--console", "none"],
+         "--console", "none", *options],
         stdin=subprocess.DEVNULL,
     )  # fmt: skip
     try:

@@ -38,7 +38,7 @@ def _read_until(process: subprocess.Popen[bytes], pattern: str) -> str:
         left = end - time.monotonic()
         ready = select.select([process.stdout], [], [], max(0.0, left))[0]
         data = os.read(process.stdout.fileno(), 65536) if ready else b""
-        assert data, f"no '{pattern}' in MAVProxy's output:\n{text}"
+        assert data, f"no '{pattern}' in the output:\n{text}"
         text += data.decode(errors="replace")
     return text
 
@@ -102,6 +102,26 @@ def test_mavproxy_fetches_files_and_packed_parameters(address: str, tmp_path: Pa
     table = json.loads(lzma.decompress((tmp_path / "parameters.json.xz").read_bytes()))
     json.loads((tmp_path / "general.json").read_bytes())
     assert f"Received {len(table['parameters'])} parameters" in received
+
+
+@pytest.mark.realtime
+def test_imcpys_actor_hears_answers_and_heartbeats(tmp_path: Path) -> None:
+    """It announces itself to the group alone, and sends each message from a socket that it closes
+    at once: what is not sent to the address that it announced is lost."""
+    pytest.importorskip("imcpy")
+    with light_at(tmp_path, "--imc", "udp:127.0.0.1:0"):
+        actor = subprocess.Popen(
+            [sys.executable, str(Path(__file__).with_name("imcpy_actor.py"))],
+            stdout=subprocess.PIPE,
+            cwd=tmp_path,
+        )
+        try:
+            _read_until(
+                actor, r"(?s)(?=.*Heartbeat of pharos-light)(?=.*EntityState of pharos-light)"
+            )
+        finally:
+            actor.kill()
+            actor.wait()
 
 
 @pytest.mark.realtime

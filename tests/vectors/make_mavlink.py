@@ -88,7 +88,7 @@ FRAMES: list[tuple[str, tuple[int, int], bool, int, bool, str, tuple[Any, ...]]]
         1,
         False,
         "autopilot_version",
-        (8248, 0x010203FF, 0, 0, 0, bytes(8), bytes(8), bytes(8), 0, 0, 0),
+        (8248, 0x010203FF, 0, 0, 0, bytes(8), bytes(8), bytes(8), 0, 0, 0x42),
     ),
     ("PROTOCOL", LIGHT, False, 1, False, "protocol_version", (200, 100, 200, bytes(8), bytes(8))),
     ("PING_QUESTION", GROUND, False, 10, False, "ping", (123456789, 77, 0, 0)),

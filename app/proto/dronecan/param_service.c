@@ -17,6 +17,16 @@ static uint32_t find(const struct dronecan_param_get_set_request *request)
 	return (request->index < PARAM_COUNT) ? request->index : (uint32_t)PARAM_COUNT;
 }
 
+/* False: no whole number, or none of 32 bits; INT32_MAX + 1 is the first that is too large. */
+static bool as_whole(float real, int32_t *integer)
+{
+	if (!(real >= -2147483648.0f && real < 2147483648.0f)) {
+		return false;
+	}
+	*integer = (int32_t)real;
+	return (float)*integer == real;
+}
+
 /* The integer that a value means. False: it means none that a parameter could take. */
 static bool as_integer(const struct dronecan_param_value *value, int32_t *integer)
 {
@@ -27,8 +37,9 @@ static bool as_integer(const struct dronecan_param_value *value, int32_t *intege
 	case DRONECAN_PARAM_VALUE_BOOLEAN_VALUE:
 		*integer = value->boolean_value;
 		return value->boolean_value <= 1;
-	case DRONECAN_PARAM_VALUE_EMPTY:
 	case DRONECAN_PARAM_VALUE_REAL_VALUE:
+		return as_whole(value->real_value, integer);
+	case DRONECAN_PARAM_VALUE_EMPTY:
 	case DRONECAN_PARAM_VALUE_STRING_VALUE:
 		return false;
 	}

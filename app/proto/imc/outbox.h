@@ -40,7 +40,7 @@ struct imc_outbox_packet {
 struct imc_outbox {
 	uint16_t src;            /* this device's id */
 	double timestamp_s;      /* what packets are stamped with */
-	struct imc_route origin; /* where the packet came from that is being answered */
+	struct imc_route origin; /* where the packet's sender hears answers */
 	uint32_t unsent;         /* packets that found no room */
 	uint8_t packets_count;
 	uint16_t used;
@@ -52,7 +52,7 @@ struct imc_outbox {
 void imc_outbox_begin(struct imc_outbox *self, uint16_t src, double timestamp_s,
                       const struct imc_route *origin);
 
-/* An answer from one of our entities to whoever sent the request, to where it came from. */
+/* An answer from one of our entities to whoever sent the request, to where that hears it. */
 void imc_outbox_reply(struct imc_outbox *self, const struct imc_packet *request, uint8_t src_ent,
                       const struct imc_message *message);
 

@@ -426,23 +426,6 @@ static uint8_t fill_mount(const struct mavlink_context *context, float argument,
 	return MAV_RESULT_ACCEPTED;
 }
 
-/* The serial number's first 16 hexadecimal digits. */
-static uint64_t uid_of(const char *serial_number)
-{
-	uint64_t uid = 0;
-
-	for (size_t i = 0; i < 16 && serial_number[i] != '\0'; i++) {
-		const char c = serial_number[i];
-
-		if (c >= '0' && c <= '9') {
-			uid = uid << 4 | (uint64_t)(c - '0');
-		} else if (c >= 'a' && c <= 'f') {
-			uid = uid << 4 | (uint64_t)(c - 'a' + 10);
-		}
-	}
-	return uid;
-}
-
 static uint8_t fill_information(const struct mavlink_context *context, float argument,
                                 void *payload)
 {
@@ -460,7 +443,7 @@ static uint8_t fill_information(const struct mavlink_context *context, float arg
 	mavlink_copy_text(info->model_name, sizeof(info->model_name), self->identity->model_name);
 	/* here the lowest byte is the major number */
 	info->firmware_version = code >> 24 | (code >> 8 & 0xFF00u) | (code << 8 & 0xFF0000u);
-	info->uid = uid_of(self->identity->serial_number);
+	info->uid = mavlink_uid(self->identity);
 	info->cap_flags = CAP_FLAGS;
 	info->cap_flags2 = CAP_FLAGS;
 	info->pitch_min = radians(tilt->min_mdeg);

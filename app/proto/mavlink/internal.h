@@ -150,6 +150,8 @@ uint8_t mavlink_fill_protocol_version(const struct mavlink_context *context, flo
                                       void *payload);
 uint8_t mavlink_fill_message_interval(const struct mavlink_context *context, float argument,
                                       void *payload);
+/* The serial number's first 16 hexadecimal digits. */
+uint64_t mavlink_uid(const struct mavlink_identity *identity);
 void mavlink_fill_identity(const struct mavlink_context *context,
                            const struct mavlink_identity *identity, void *payload);
 void mavlink_fill_version(const struct mavlink_context *context,

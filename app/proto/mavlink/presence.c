@@ -114,6 +114,23 @@ void mavlink_fill_identity(const struct mavlink_context *context,
 	                  identity->serial_number);
 }
 
+uint64_t mavlink_uid(const struct mavlink_identity *identity)
+{
+	const char *const serial_number = identity->serial_number;
+	uint64_t uid = 0;
+
+	for (size_t i = 0; i < 16 && serial_number[i] != '\0'; i++) {
+		const char c = serial_number[i];
+
+		if (c >= '0' && c <= '9') {
+			uid = uid << 4 | (uint64_t)(c - '0');
+		} else if (c >= 'a' && c <= 'f') {
+			uid = uid << 4 | (uint64_t)(c - 'a' + 10);
+		}
+	}
+	return uid;
+}
+
 void mavlink_fill_version(const struct mavlink_context *context,
                           const struct mavlink_identity *identity, void *payload)
 {
@@ -121,6 +138,7 @@ void mavlink_fill_version(const struct mavlink_context *context,
 
 	version->capabilities = capabilities(context);
 	version->flight_sw_version = identity->version_code;
+	version->uid = mavlink_uid(identity);
 }
 
 /* A question has target 0/0, an answer has the asker's ids: only questions are answered. */

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * --imc: UDP as IMC uses it. One socket on a fixed port for packets, and one on a free port of the
- * five that announcements go to. Own announcements come back and are ignored.
+ * five that announcements go to. A third, on the same port, hears those that go to the group
+ * 224.0.75.69, also where the others are bound to the loopback: on the interface of the address, or
+ * on all. Own announcements come back and are ignored.
  */
 #include "imc_udp.h"
 
@@ -62,6 +64,7 @@ static struct {
 	struct buffer rx;
 	struct loop_source packets;
 	struct loop_source announcements;
+	struct loop_source group;
 	struct loop_timer retry;
 	bool failing;
 	/* carried over resets */
@@ -70,6 +73,7 @@ static struct {
 		uint64_t released; /* of counts.rx_datagrams */
 		int packets_fd;    /* 0: none */
 		int announcements_fd;
+		int group_fd; /* 0: none, without which there are only the other announcements */
 		struct imc_udp_address own;
 		uint16_t discovery_port;
 	} kept;
@@ -386,10 +390,6 @@ static bool open_packets(void)
 static bool open_announcements(void)
 {
 	const uint32_t ipv4 = is_loopback(udp.ipv4) ? udp.ipv4 : INADDR_ANY;
-	const struct ip_mreq group = {
-		.imr_multiaddr.s_addr = htonl(MULTICAST_GROUP),
-		.imr_interface.s_addr = htonl(udp.ipv4),
-	};
 	int fd = -1;
 
 	for (uint16_t i = 0; fd < 0 && i < DISCOVERY_PORTS; i++) {
@@ -399,9 +399,62 @@ static bool open_announcements(void)
 	if (fd < 0) {
 		return false;
 	}
+	(void)set(fd, IPPROTO_IP, IP_MULTICAST_ALL, 0); /* the group's socket hears those */
 	udp.kept.announcements_fd = fd;
-	(void)setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof(group));
 	return true;
+}
+
+static bool join(int fd, uint32_t ipv4)
+{
+	const struct ip_mreq group = {
+		.imr_multiaddr.s_addr = htonl(MULTICAST_GROUP),
+		.imr_interface.s_addr = htonl(ipv4),
+	};
+
+	return setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof(group)) == 0;
+}
+
+/* On the interfaces of all addresses of this host; an interface may have several. */
+static bool join_all(int fd)
+{
+	struct ifaddrs *all;
+	bool any = false;
+
+	if (getifaddrs(&all) != 0) {
+		return false;
+	}
+	for (const struct ifaddrs *at = all; at != NULL; at = at->ifa_next) {
+		if (at->ifa_addr != NULL && at->ifa_addr->sa_family == AF_INET &&
+		    (at->ifa_flags & IFF_UP) != 0) {
+			struct sockaddr_in address;
+
+			memcpy(&address, at->ifa_addr, sizeof(address));
+			any |= join(fd, ntohl(address.sin_addr.s_addr)) || errno == EADDRINUSE;
+		}
+	}
+	freeifaddrs(all);
+	return any;
+}
+
+/* Bound to the group, it hears nothing else, and shares the port with whoever else does so. */
+static void open_group(void)
+{
+	const struct sockaddr_in own = to_sockaddr(MULTICAST_GROUP, udp.kept.discovery_port);
+	const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+
+	if (fd < 0) {
+		return;
+	}
+	(void)set(fd, SOL_SOCKET, SO_REUSEADDR, 1);
+	if (bind(fd, (const struct sockaddr *)&own, sizeof(own)) != 0 ||
+	    !(udp.ipv4 == INADDR_ANY ? join_all(fd) : join(fd, udp.ipv4))) {
+		udp.kept.counts.errors++;
+		host_say("imc: group 224.0.75.69: %s; announcements there are not heard",
+		         strerror(errno));
+		close(fd);
+		return;
+	}
+	udp.kept.group_fd = fd;
 }
 
 static void listen_to(struct loop_source *source, int fd)
@@ -420,8 +473,12 @@ static void close_sockets(void)
 	if (udp.kept.announcements_fd != 0) {
 		close(udp.kept.announcements_fd);
 	}
+	if (udp.kept.group_fd != 0) {
+		close(udp.kept.group_fd);
+	}
 	udp.kept.packets_fd = 0;
 	udp.kept.announcements_fd = 0;
+	udp.kept.group_fd = 0;
 }
 
 static void describe(char *text, size_t size)
@@ -437,9 +494,15 @@ static void try_open(struct loop_timer *timer)
 {
 	char text[64];
 
-	if (udp.kept.packets_fd != 0 || (open_packets() && open_announcements())) {
+	if (udp.kept.packets_fd == 0 && open_packets() && open_announcements()) {
+		open_group();
+	}
+	if (udp.kept.announcements_fd != 0) {
 		listen_to(&udp.packets, udp.kept.packets_fd);
 		listen_to(&udp.announcements, udp.kept.announcements_fd);
+		if (udp.kept.group_fd != 0) {
+			listen_to(&udp.group, udp.kept.group_fd);
+		}
 		describe(text, sizeof(text));
 		if (!carry_is_reset()) {
 			host_say("imc is %s, announcements on port %u", text,
@@ -550,6 +613,9 @@ static void save(void)
 	if (udp.kept.packets_fd != 0) {
 		carry_fd(udp.kept.packets_fd);
 		carry_fd(udp.kept.announcements_fd);
+		if (udp.kept.group_fd != 0) {
+			carry_fd(udp.kept.group_fd);
+		}
 	}
 }
 
@@ -558,6 +624,7 @@ static void stop(void)
 	if (udp.kept.packets_fd != 0) {
 		loop_remove(&udp.packets);
 		loop_remove(&udp.announcements);
+		loop_remove(&udp.group);
 	}
 	loop_timer_stop(&udp.retry);
 	close_sockets();

@@ -2,6 +2,8 @@
 /* The node's services. Specs: the uavcan.protocol types; dronecan.md, "Node". */
 #include "device.h"
 
+#include <math.h>
+
 static struct dronecan_transfer heard;
 
 static void before(void *fixture)
@@ -299,13 +301,29 @@ ZTEST(dronecan_node, test_refused_sets_answer_with_the_value_in_force)
 		zassert_equal(get_set(false, &request).value.integer_value, value);
 		zassert_false(pharos_device_take(&core, &effects));
 	}
+	static const float no_whole[] = {0.5f, -0.5f, NAN, INFINITY, 2147483648.0f, 2.0f};
+
 	request.value.tag = DRONECAN_PARAM_VALUE_REAL_VALUE;
-	request.value.real_value = 1.0f;
-	zassert_equal(get_set(false, &request).value.integer_value, value);
+	for (size_t i = 0; i < ARRAY_SIZE(no_whole); i++) {
+		request.value.real_value = no_whole[i];
+		zassert_equal(get_set(false, &request).value.integer_value, value);
+	}
 	request.value.tag = DRONECAN_PARAM_VALUE_STRING_VALUE;
 	request.value.string_value_len = 1;
 	zassert_equal(get_set(false, &request).value.integer_value, value);
-	zassert_equal(device.node.stats.params_refused, 7);
+	zassert_equal(device.node.stats.params_refused, 12);
+}
+
+/* Tools that have one kind of number send it so. */
+ZTEST(dronecan_node, test_whole_real_values_are_taken)
+{
+	struct dronecan_param_get_set_request request = named("LGT_LOSS_MS");
+
+	request.value.tag = DRONECAN_PARAM_VALUE_REAL_VALUE;
+	request.value.real_value = 4000.0f;
+	zassert_equal(get_set(false, &request).value.integer_value, 4000);
+	zassert_equal(core.params.values[PARAM_LGT_LOSS_MS], 4000);
+	zassert_equal(device.node.stats.params_refused, 0);
 }
 
 ZTEST(dronecan_node, test_an_unknown_name_answers_empty)

@@ -140,6 +140,22 @@ ZTEST(imc_node, test_the_announced_address_counts)
 	zassert_equal(endpoint.node.peers.count, 1);
 }
 
+/* imcpy's actors send from a socket that they close, and listen where they have announced. */
+ZTEST(imc_node, test_who_has_announced_an_address_is_answered_there)
+{
+	announce(VEHICLE, "imc+udp://127.0.0.1:6001/");
+	header.dst = DEVICE;
+	route.port = 5555;
+	ask(IMC_QUERY_ENTITY_STATE, IMC_ENTITY_LAMP);
+	zassert_equal(count(IMC_ENTITY_STATE), 1);
+	zassert_equal(out.packets[0].route.port, 6001);
+	zassert_equal(out.packets[0].route.address, 0x7F000001);
+	header.src = 0x5000;
+	ask(IMC_QUERY_ENTITY_STATE, IMC_ENTITY_LAMP);
+	zassert_equal(count(IMC_ENTITY_STATE), 1);
+	zassert_equal(out.packets[0].route.port, 5555, "others at their source");
+}
+
 ZTEST(imc_node, test_announcements_without_a_usable_address)
 {
 	static const char *const services[] = {
