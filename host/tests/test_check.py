@@ -252,12 +252,13 @@ def test_a_light_that_has_no_id_is_found_out() -> None:
 
 @dataclass(frozen=True)
 class Build:
-    """Our firmware with one line changed."""
+    """Our firmware with one line changed; `more` where another layer would make up for it."""
 
     source: str
     line: str
     instead: str
     breaks: tuple[str, ...]
+    more: tuple[Build, ...] = ()
 
 
 SERVICE = "app/proto/mavlink/illuminator_service.c"
@@ -287,29 +288,32 @@ BUILDS = {
 
 
 def _built(build: Build, folder: Path) -> Path:
-    """Compiles the changed file as the build did, and links it before everything else."""
+    """Compiles the changed files as the build did, and links them before everything else."""
     words = ["ninja", "-C", str(BINARY.parent), "-t", "commands", "pharos"]
     commands = subprocess.run(words, check=True, capture_output=True, text=True).stdout.splitlines()
-    original = ROOT / build.source
-    text = original.read_text()
-    assert text.count(build.line) == 1, f"{build.source} has no such line any more: {build.line}"
-    changed = folder / original.name
-    changed.write_text(text.replace(build.line, build.instead))
-    (compile_it,) = [c for c in commands if c.endswith(f" -c {original}")]
-    compile_it = compile_it[: -len(f" -c {original}")]
-    target = re.search(r" -o (\S+)$", compile_it)
-    assert target is not None
-    made = folder / "changed.o"
-    compile_it = re.sub(r" -M[DTF]( \S+\.o(\.d)?)?", "", compile_it)
-    compile_it = compile_it.replace(f" -o {target[1]}", f" -o {made}")
-    compile_it += f" -iquote {original.parent} -Wno-error -c {changed}"
-    link = commands[-1].replace(" -o pharos ", f" {made} -o {folder / 'pharos'} ", 1)
-    for command in (compile_it, link.replace(f" {target[1]} ", " ")):
-        done = subprocess.run(
-            command, shell=True, cwd=BINARY.parent, capture_output=True, text=True
-        )
-        assert done.returncode == 0, done.stderr
+    link = commands[-1]
+    for number, change in enumerate((build, *build.more)):
+        original = ROOT / change.source
+        text = original.read_text()
+        assert text.count(change.line) == 1, f"{original} has no such line any more: {change.line}"
+        changed = folder / original.name
+        changed.write_text(text.replace(change.line, change.instead))
+        (compile_it,) = [c for c in commands if c.endswith(f" -c {original}")]
+        target = re.search(r" -o (\S+) ", compile_it)
+        assert target is not None
+        made = folder / f"changed{number}.o"
+        compile_it = re.sub(r" -M[DTF]( \S+\.o(\.d)?)?", "", compile_it)
+        compile_it = compile_it.replace(f" -o {target[1]}", f" -o {made}")
+        compile_it = compile_it.removesuffix(f" -c {original}")
+        _run(f"{compile_it} -iquote {original.parent} -Wno-error -c {changed}")
+        link = link.replace(" -o pharos ", f" {made} -o pharos ", 1).replace(f" {target[1]} ", " ")
+    _run(link.replace(" -o pharos ", f" -o {folder / 'pharos'} ", 1))
     return folder / "pharos"
+
+
+def _run(command: str) -> None:
+    done = subprocess.run(command, shell=True, cwd=BINARY.parent, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.parametrize("name", BUILDS)
@@ -330,6 +334,14 @@ SIGNING_BUILDS = {
         "return MAVLINK_SIGNING_UNSIGNED;",
         "return MAVLINK_SIGNING_ACCEPTED;",
         ("SG-4",),
+        (
+            Build(
+                "app/proto/mavlink/endpoint.c",
+                ".is_signed = frame.has_signature && mavlink_is_signing(self),",
+                ".is_signed = mavlink_is_signing(self),",
+                (),
+            ),
+        ),
     ),
     "obeys any key": Build(
         SIGNING, "return differs == 0;", "return differs <= 255;", ("SG-5",)
