@@ -21,6 +21,8 @@ import pytest
 from harness import BINARY
 from pharos.control import ControlClient
 
+pytestmark = pytest.mark.realtime
+
 PATIENCE_S = 60.0
 # The lamp's full power, as `outputs` has it.
 FULL_PPM = 1_000_000

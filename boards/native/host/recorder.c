@@ -21,7 +21,7 @@
 
 #define TEXT_SIZE      16384u
 #define LINE_SIZE      128u
-#define RING_SIZE      (1u << 20)
+#define RING_SIZE      (1u << 18)
 #define FLUSH_AFTER_US 1000000
 
 /* Identifier codes: '!' level, '"' temperature, from '#' pulses of servos; then lines from

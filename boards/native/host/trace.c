@@ -20,7 +20,7 @@
 
 enum {
 	TRACE_BUFFER = 1 << 16,
-	TRACE_RING = 1 << 23,
+	TRACE_RING = 1 << 19,
 	TRACE_WORD = 64,
 	TRACE_LINE = 2 * TRACE_WORD + 48
 };

@@ -67,7 +67,7 @@ _Noreturn void port_reset(uint32_t cause);
 
 _Noreturn void port_exit(int status);
 
-/* Last-resort output: no buffering, any context, any state of the kernel. */
+/* Last-resort output: any context, any state of the kernel; it never waits in real time. */
 void port_console_write(const char *text, size_t length);
 
 /*
