@@ -18,6 +18,7 @@
 #include "threads/storage.h"
 #include "threads/supervisor.h"
 #include "threads/thermal.h"
+#include "threads/trial.h"
 #include "threads/uart_link.h"
 #include "version.h"
 
@@ -124,6 +125,7 @@ int main(void)
 	}
 	storage_start();
 	inputs_init();
+	trial_start();
 	supervisor_unwatch(SUPERVISOR_START);
 	return 0;
 }

@@ -81,10 +81,6 @@ static inline void firmware_abort(const char *failure)
 {
 }
 
-static inline void firmware_confirm(void)
-{
-}
-
 #endif
 
 #endif

@@ -12,10 +12,8 @@
 #include <pharos/drivers/light.h>
 
 #include "threads/devices.h"
-#include "threads/firmware.h"
 #include "threads/reset_cause.h"
 #include "threads/startup.h"
-#include "threads/thermal.h"
 
 LOG_MODULE_REGISTER(supervisor);
 
@@ -113,11 +111,13 @@ int32_t supervisor_age_ms(enum supervisor_watch watch)
 	return reported == 0 ? -1 : MAX(0, (int32_t)(k_uptime_get_32() - reported));
 }
 
-bool supervisor_all_reported(void)
+bool supervisor_all_report(void)
 {
 	for (int watch = 0; watch < SUPERVISOR_WATCHES; watch++) {
-		if (atomic_get(&reported_ms[watch]) != 0 &&
-		    (atomic_get(&have_reported) & BIT(watch)) == 0) {
+		const int32_t age_ms = supervisor_age_ms((enum supervisor_watch)watch);
+
+		if (age_ms > SUPERVISOR_LIMIT_MS ||
+		    (age_ms >= 0 && (atomic_get(&have_reported) & BIT(watch)) == 0)) {
 			return false;
 		}
 	}
@@ -145,13 +145,6 @@ static bool all_well(void)
 	return all;
 }
 
-/* An image on trial has shown that it does all that the last one did. */
-static bool has_proved_itself(void)
-{
-	return k_uptime_get_32() >= SUPERVISOR_CONFIRM_MS && startup_is_whole() &&
-	       supervisor_all_reported() && thermal_thread_has_sampled();
-}
-
 static uint32_t period_ms(void)
 {
 	const uint32_t quarter_ms = watchdog_ms / 4;
@@ -170,8 +163,6 @@ static void bite_instead(int64_t well_ms)
 
 void supervisor_run(void *p1, void *p2, void *p3)
 {
-	bool has_confirmed = false;
-
 	start_watchdog();
 	int64_t well_ms = k_uptime_get();
 
@@ -182,10 +173,6 @@ void supervisor_run(void *p1, void *p2, void *p3)
 			well_ms = k_uptime_get();
 			if (watchdog_ms != 0) {
 				wdt_feed(devices.watchdog, watchdog_channel);
-			}
-			if (!has_confirmed && has_proved_itself()) {
-				has_confirmed = true;
-				firmware_confirm();
 			}
 		}
 		k_msleep((int32_t)period_ms());

@@ -45,9 +45,6 @@ enum supervisor_watch {
 #define SUPERVISOR_RUNNING_MS CONFIG_PHAROS_WATCHDOG_RUNNING_MS
 #endif
 
-/* Firmware whose threads have all reported in for so long works. */
-#define SUPERVISOR_CONFIRM_MS 10000
-
 _Static_assert(2 * SUPERVISOR_REPORT_MS <= SUPERVISOR_LIMIT_MS, "one late report is no stall");
 _Static_assert(2 * SUPERVISOR_PERIOD_MS <= SUPERVISOR_WATCHDOG_MS, "one late feed is no bite");
 
@@ -64,8 +61,8 @@ void supervisor_report(enum supervisor_watch watch);
 /* Milliseconds since the last report, or since it is watched; -1: not watched. Any context. */
 int32_t supervisor_age_ms(enum supervisor_watch watch);
 
-/* Every watched thread has reported at least once. Any context. */
-bool supervisor_all_reported(void);
+/* Every watched thread has reported at least once, and none is late. Any context. */
+bool supervisor_all_report(void);
 
 /* Thread entry: arms the watchdog, or takes over one that runs already. */
 void supervisor_run(void *, void *, void *);

@@ -11,15 +11,10 @@
 #include <pharos/drivers/strap.h>
 
 #include "threads/devices.h"
-#include "threads/inbox.h"
 #include "threads/link.h"
 #include "threads/startup.h"
 #include "threads/supervisor.h"
-
-#ifdef CONFIG_PHAROS_IMC
-#include "proto/imc/outbox.h"
-#include "proto/imc/stream.h"
-#endif
+#include "threads/uart_framing.h"
 
 #define FRAME_BITS 10u /* start, 8 data, stop */
 
@@ -40,12 +35,8 @@ struct uart_link {
 	struct k_sem rx_ready;
 	atomic_t rx_wanted; /* bytes in the ring that wake the thread */
 	bool rx_stopped;
-	union {
-		struct mavlink_framer mavlink;
-#ifdef CONFIG_PHAROS_IMC
-		struct imc_stream imc;
-#endif
-	};
+	const struct uart_framing *framing;
+	union uart_framing_state state; /* the framing's */
 	struct link_stats stats;
 	uint16_t sending_length; /* the frame that the interrupt is sending; 0: none */
 	uint16_t sending_at;
@@ -198,20 +189,6 @@ enum uart_protocol uart_link_protocol(uint8_t number)
 	return link != NULL ? link->protocol : UART_PROTOCOL_NONE;
 }
 
-static struct link_framing_stats framing(const struct uart_link *link)
-{
-#ifdef CONFIG_PHAROS_IMC
-	if (link->protocol == UART_PROTOCOL_IMC) {
-		return (struct link_framing_stats){
-			.crc_errors = link->imc.stats.checksum_errors,
-			.resyncs = link->imc.stats.resyncs,
-			.skipped_bytes = link->imc.stats.skipped_bytes,
-		};
-	}
-#endif
-	return link_framing_of(&link->mavlink.stats);
-}
-
 uint32_t uart_link_rate(uint8_t number)
 {
 	struct uart_config config;
@@ -249,136 +226,12 @@ int uart_link_stats_get(uint8_t number, struct link_stats *stats)
 	const unsigned int key = irq_lock();
 
 	*stats = link->stats;
-	stats->framing = framing(link);
+	stats->framing = link->framing->stats(&link->state);
 	irq_unlock(key);
 	return 0;
 }
 
-/* --- MAVLink ---------------------------------------------------------------------------------- */
-
-/* To the command thread, which takes it before this one goes on; waits while it is behind. */
-static void post(uint8_t number, struct uart_link *link, const struct mavlink_frame *received)
-{
-	inbox_post_frame(number, received->bytes, received->length, SUPERVISOR_UART_LINK0 + number);
-	link->stats.rx_frames++;
-}
-
-static void post_all(uint8_t number, struct uart_link *link)
-{
-	struct mavlink_frame frame;
-
-	while (mavlink_framer_next(&link->mavlink, &frame)) {
-		post(number, link, &frame);
-	}
-}
-
-static void take_mavlink(uint8_t number, struct uart_link *link, const uint8_t *bytes, size_t count)
-{
-	link->mavlink.opaque = link_is_opaque();
-	for (size_t used = 0; used < count;) {
-		used += mavlink_framer_write(&link->mavlink, bytes + used, count - used);
-		post_all(number, link);
-	}
-}
-
-static void idle_mavlink(uint8_t number, struct uart_link *link)
-{
-	struct mavlink_frame frame;
-
-	while (mavlink_framer_idle(&link->mavlink, &frame)) {
-		post(number, link, &frame);
-		post_all(number, link);
-	}
-}
-
-/* --- IMC -------------------------------------------------------------------------------------- */
-
-#ifdef CONFIG_PHAROS_IMC
-
-_Static_assert(MAVLINK_FRAMER_IDLE_US == IMC_STREAM_IDLE_US, "one wait does for both");
-
-static void post_packet(uint8_t number, struct uart_link *link,
-                        const struct imc_stream_packet *packet)
-{
-	const struct imc_route route = {.link = number};
-
-	link->stats.rx_frames++;
-	inbox_post_imc(&route, packet->bytes, packet->length, SUPERVISOR_UART_LINK0 + number);
-}
-
-static void post_packets(uint8_t number, struct uart_link *link)
-{
-	struct imc_stream_packet packet;
-
-	while (imc_stream_next(&link->imc, &packet)) {
-		post_packet(number, link, &packet);
-	}
-}
-
-static void take_imc(uint8_t number, struct uart_link *link, const uint8_t *bytes, size_t count)
-{
-	for (size_t used = 0; used < count;) {
-		used += imc_stream_write(&link->imc, bytes + used, count - used);
-		post_packets(number, link);
-	}
-}
-
-static void idle_imc(uint8_t number, struct uart_link *link)
-{
-	struct imc_stream_packet packet;
-
-	while (imc_stream_idle(&link->imc, &packet)) {
-		post_packet(number, link, &packet);
-		post_packets(number, link);
-	}
-}
-
-#endif
-
-/* --- either ----------------------------------------------------------------------------------- */
-
-static void take_bytes(uint8_t number, struct uart_link *link, const uint8_t *bytes, size_t count)
-{
-#ifdef CONFIG_PHAROS_IMC
-	if (link->protocol == UART_PROTOCOL_IMC) {
-		take_imc(number, link, bytes, count);
-		return;
-	}
-#endif
-	take_mavlink(number, link, bytes, count);
-}
-
-static bool pending(const struct uart_link *link)
-{
-#ifdef CONFIG_PHAROS_IMC
-	if (link->protocol == UART_PROTOCOL_IMC) {
-		return imc_stream_pending(&link->imc);
-	}
-#endif
-	return mavlink_framer_pending(&link->mavlink);
-}
-
-static size_t wanted(const struct uart_link *link)
-{
-#ifdef CONFIG_PHAROS_IMC
-	if (link->protocol == UART_PROTOCOL_IMC) {
-		return imc_stream_wanted(&link->imc);
-	}
-#endif
-	return mavlink_framer_wanted(&link->mavlink);
-}
-
-/* The line is silent: an unfinished frame was perhaps none, and hides good ones. */
-static void idle(uint8_t number, struct uart_link *link)
-{
-#ifdef CONFIG_PHAROS_IMC
-	if (link->protocol == UART_PROTOCOL_IMC) {
-		idle_imc(number, link);
-		return;
-	}
-#endif
-	idle_mavlink(number, link);
-}
+/* --- receiving -------------------------------------------------------------------------------- */
 
 /*
  * All bytes of the ring through the framing; room in the ring resumes reception. False: there were
@@ -391,7 +244,7 @@ static bool drain(uint8_t number, struct uart_link *link)
 	bool any = false;
 
 	while ((count = ring_buf_get_claim(&link->rx, &from, UART_RX_RING_SIZE)) > 0) {
-		take_bytes(number, link, from, count);
+		link->stats.rx_frames += link->framing->take(&link->state, number, from, count);
 		ring_buf_get_finish(&link->rx, count);
 		if (link->rx_stopped) {
 			link->rx_stopped = false;
@@ -404,32 +257,33 @@ static bool drain(uint8_t number, struct uart_link *link)
 
 /* --- start and thread ------------------------------------------------------------------------- */
 
-#ifdef CONFIG_PHAROS_IMC
-
-static void init_framing(struct uart_link *link, uint8_t number, const struct params *params)
+/* What the UART's strap says that it speaks, or else its parameter. */
+static enum uart_protocol choose(uint8_t number, const struct params *params)
 {
+#ifdef CONFIG_PHAROS_IMC
 	const int strap = strap_get(startup_ready(STARTUP_STRAP, devices.strap),
 	                            (enum strap)(STRAP_UART0_PROTOCOL + number));
-	const int32_t chosen =
-		strap != STRAP_OPEN ? strap : params->values[PARAM_UART0_PROTO + number];
 
-	link->protocol = (enum uart_protocol)chosen;
-	if (link->protocol == UART_PROTOCOL_IMC) {
-		imc_stream_init(&link->imc);
-	} else {
-		mavlink_framer_init(&link->mavlink);
-	}
-}
-
+	return (enum uart_protocol)(
+		strap != STRAP_OPEN ? strap : params->values[PARAM_UART0_PROTO + number]);
 #else
+	return UART_PROTOCOL_MAVLINK;
+#endif
+}
 
 static void init_framing(struct uart_link *link, uint8_t number, const struct params *params)
 {
-	link->protocol = UART_PROTOCOL_MAVLINK;
-	mavlink_framer_init(&link->mavlink);
-}
-
+	static const struct uart_framing *const framings[] = {
+		[UART_PROTOCOL_MAVLINK] = &uart_framing_mavlink,
+#ifdef CONFIG_PHAROS_IMC
+		[UART_PROTOCOL_IMC] = &uart_framing_imc,
 #endif
+	};
+
+	link->protocol = choose(number, params);
+	link->framing = framings[link->protocol];
+	link->framing->init(&link->state);
+}
 
 void uart_links_init(const struct params *params)
 {
@@ -458,11 +312,12 @@ void uart_link_run(void *argument, void *p2, void *p3)
 	struct uart_link *const link = &links[number];
 
 	for (uint32_t silent_us = 0;;) {
-		const bool unfinished = pending(link);
+		const bool unfinished = link->framing->pending(&link->state);
 		const k_timeout_t wait =
 			unfinished ? K_USEC(SILENCE_STEP_US) : K_MSEC(SUPERVISOR_REPORT_MS);
 
-		atomic_set(&link->rx_wanted, (atomic_val_t)MIN(wanted(link), RX_WANTED_MAX));
+		atomic_set(&link->rx_wanted,
+		           (atomic_val_t)MIN(link->framing->wanted(&link->state), RX_WANTED_MAX));
 		wake_if_enough(link); /* what came before the interrupt knew */
 		supervisor_report(SUPERVISOR_UART_LINK0 + number);
 
@@ -472,7 +327,7 @@ void uart_link_run(void *argument, void *p2, void *p3)
 		silent_us = silent ? silent_us + SILENCE_STEP_US : 0;
 		if (silent_us >= MAVLINK_FRAMER_IDLE_US) {
 			silent_us = 0;
-			idle(number, link);
+			link->stats.rx_frames += link->framing->idle(&link->state, number);
 		}
 	}
 }

@@ -330,11 +330,13 @@ static void setup(struct script *script)
 	                                .target_component = choice & 2 ? 243 : 0};
 	const struct mavlink_signing_record before = endpoint.signing.now;
 	const uint8_t secure = endpoint.config.secure_links;
+	const bool had_key = endpoint.signing.on;
 	uint8_t bytes[MAVLINK_FRAME_MAX];
 
 	memset(wire.secret_key, choice >> 6, sizeof(wire.secret_key));
 	arrive(link, bytes, mavlink_frame_build(bytes, &sender, &kind, &wire));
-	if ((choice & 3) != 3 || (secure & 1u << link) == 0) {
+	/* it is not signed: only where there is no key yet */
+	if (had_key || (choice & 3) != 3 || (secure & 1u << link) == 0) {
 		CHECK(memcmp(before.key, endpoint.signing.now.key, sizeof(before.key)) == 0);
 	} else {
 		CHECK(memcmp(wire.secret_key, endpoint.signing.now.key, sizeof(before.key)) == 0);
