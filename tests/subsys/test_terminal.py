@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 import re
 import select
 import socket
 import subprocess
+import termios
 import time
 import tty
 from collections.abc import Callable, Iterator
@@ -525,22 +527,63 @@ def test_torn_write_by_control_keeps_the_old_value(
     assert shell.run("settings read light/level")[0].endswith("|new             |")
 
 
-def test_stdio_on_a_terminal_is_a_terminal() -> None:
-    master, slave = os.openpty()
-    process = subprocess.Popen([APP, "--console", "stdio"], stdin=slave, stdout=slave, stderr=slave)
-    os.close(slave)
-    screen = Terminal()
-    limit = time.monotonic() + DEADLINE_S
-    os.write(master, b"say a\rexit\r")
-    while process.poll() is None or select.select([master], [], [], 0)[0]:
-        assert time.monotonic() < limit, screen.text
-        if select.select([master], [], [], 0.01)[0]:
+class OwnTerminal:
+    """The application on the terminal that it was started in, whose Ctrl-C is its process's."""
+
+    def __init__(self) -> None:
+        self.master, slave = os.openpty()
+        self.screen = Terminal()
+        self._limit = time.monotonic() + DEADLINE_S
+        self.process = subprocess.Popen(
+            [APP, "--console", "stdio"],
+            stdin=slave, stdout=slave, stderr=slave, start_new_session=True,
+            preexec_fn=lambda: fcntl.ioctl(slave, termios.TIOCSCTTY, 0),
+        )  # fmt: skip
+        os.close(slave)
+        self.until(PROMPT.rstrip())
+
+    def until(self, line: str) -> None:
+        while self.screen.line != line:
+            self._feed()
+
+    def end(self) -> int:
+        while self.process.poll() is None or select.select([self.master], [], [], 0)[0]:
             try:
-                screen.feed(os.read(master, 4096))
+                self._feed()
             except OSError:
-                # EIO: the last one at the other end has closed it.
-                break
-    os.close(master)
-    assert process.wait() == 0
-    assert f"{PROMPT}say a" in screen.text
-    assert "<a>" in screen.text
+                break  # EIO: the last one at the other end has closed it
+        os.close(self.master)
+        return self.process.wait()
+
+    def type(self, keys: str) -> None:
+        os.write(self.master, keys.encode())
+
+    def _feed(self) -> None:
+        assert time.monotonic() < self._limit, self.screen.text
+        if select.select([self.master], [], [], 0.01)[0]:
+            self.screen.feed(os.read(self.master, 4096))
+
+
+def test_stdio_on_a_terminal_is_a_terminal() -> None:
+    terminal = OwnTerminal()
+    terminal.type("say a\rexit\r")
+    assert terminal.end() == 0
+    assert f"{PROMPT}say a" in terminal.screen.text
+    assert "<a>" in terminal.screen.text
+
+
+def test_control_c_in_ones_own_terminal_gives_a_new_line_and_says_how_to_leave() -> None:
+    terminal = OwnTerminal()
+    terminal.type("say no")
+    terminal.until(f"{PROMPT}say no")
+    terminal.type(CTRL["C"])
+    terminal.until(PROMPT.rstrip())
+    terminal.type(CTRL["C"])
+    terminal.type("say yes\r")
+    terminal.until(PROMPT.rstrip())
+    terminal.type("ab" + CTRL["D"] + CTRL["U"] + CTRL["D"])
+    assert terminal.end() == 0
+    assert f"{PROMPT}say no^C" in terminal.screen.text
+    assert f"{PROMPT}^C (Ctrl-D leaves)" in terminal.screen.text
+    assert "<yes>" in terminal.screen.text
+    assert "<no>" not in terminal.screen.text

@@ -109,3 +109,30 @@ def test_backspace_and_control_c_edit_the_line(both: tuple[Light, Shell]) -> Non
     shell.keys("light off\x03")
     shell("")
     assert light.status().enable == 1
+
+
+def test_names_are_taken_in_either_case(both: tuple[Light, Shell]) -> None:
+    shell = both[1]
+    assert "LGT_LOSS_MS" in shell("param get lgt_loss")
+    assert re.search(r"LGT_LOSS_MS +4321 ", shell("param set lgt_Loss_ms 4321"))
+    assert "no parameter" in shell("param set lgt_loss 4321")
+    assert "\nok" in shell("light program SOS")
+    assert "sos" in shell("light status")
+    assert "uart0" in shell("link stats UART0")
+
+
+def test_tab_completes_names_of_parameters_programs_and_links(both: tuple[Light, Shell]) -> None:
+    shell = both[1]
+    shell.keys("param set LGT_LOS\t")
+    assert re.search(r"LGT_LOSS_MS +1234 ", shell("1234"))
+    shell.keys("light program double\t")
+    assert "\nok" in shell("")
+    assert "double-flash" in shell("light status")
+    shell.keys("link stats ua\t")  # as far as they are alike
+    assert "rx" in shell("0")
+
+
+def test_the_counters_of_one_link(both: tuple[Light, Shell]) -> None:
+    shell = both[1]
+    assert "tunnel" not in shell("link stats uart0")
+    assert "no link 'uart9'" in shell("link stats uart9")

@@ -2,6 +2,8 @@
 /*
  * Shell commands for the device as a whole: thermal, link, reset, version.
  */
+#include <errno.h>
+
 #include <zephyr/kernel.h>
 #include <zephyr/shell/shell.h>
 #include <zephyr/sys/reboot.h>
@@ -13,6 +15,7 @@
 #include "threads/reset_cause.h"
 #include "threads/shell/call.h"
 #include "threads/shell/can.h"
+#include "threads/shell/names.h"
 #include "threads/shell/say.h"
 #include "threads/thermal.h"
 #include "version.h"
@@ -67,8 +70,41 @@ static void print_link(const struct shell *sh, uint8_t link)
 	            stats.forward_dropped);
 }
 
+/* For the Tab key: those that there are. */
+static void link_get(size_t index, struct shell_static_entry *entry)
+{
+	struct link_stats stats;
+
+	*entry = (struct shell_static_entry){.syntax = NULL};
+	for (uint8_t link = 0; link < LINKS_MAX; link++) {
+		if (links_stats_get(link, &stats) == 0 && index-- == 0) {
+			entry->syntax = links_name(link);
+			return;
+		}
+	}
+}
+
+SHELL_DYNAMIC_CMD_CREATE(link_names, link_get);
+
+static int print_one(const struct shell *sh, const char *name)
+{
+	struct link_stats stats;
+
+	for (uint8_t link = 0; link < LINKS_MAX; link++) {
+		if (names_equal(links_name(link), name) && links_stats_get(link, &stats) == 0) {
+			print_link(sh, link);
+			return 0;
+		}
+	}
+	shell_error(sh, "no link '%s' (see: link stats)", name);
+	return -ENODEV;
+}
+
 static int cmd_link_stats(const struct shell *sh, size_t argc, char **argv)
 {
+	if (argc > 1) {
+		return print_one(sh, argv[1]);
+	}
 	for (uint8_t link = 0; link < LINKS_MAX; link++) {
 		print_link(sh, link);
 	}
@@ -84,7 +120,8 @@ static int cmd_link_stats(const struct shell *sh, size_t argc, char **argv)
 
 SHELL_STATIC_SUBCMD_SET_CREATE(
 	link_commands,
-	SHELL_CMD_ARG(stats, NULL, "Counters of every link", cmd_link_stats, 1, 0),
+	SHELL_CMD_ARG(stats, &link_names, "[LINK]  counters of every link, or of one", cmd_link_stats,
+		      1, 1),
 	SHELL_SUBCMD_SET_END);
 
 SHELL_CMD_REGISTER(link, &link_commands, "Links", NULL);

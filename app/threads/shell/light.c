@@ -6,7 +6,6 @@
  * thread through inbox_call(). Numbers are read and printed without floating point.
  */
 #include <errno.h>
-#include <string.h>
 
 #include <zephyr/shell/shell.h>
 
@@ -17,6 +16,7 @@
 #include "threads/inputs.h"
 #include "threads/shell/call.h"
 #include "threads/shell/fixed.h"
+#include "threads/shell/names.h"
 #include "threads/shell/say.h"
 
 #define LAMP 0
@@ -167,10 +167,10 @@ static int cmd_light_duty(const struct shell *sh, size_t argc, char **argv)
 
 static int cmd_light_mode(const struct shell *sh, size_t argc, char **argv)
 {
-	if (strcmp(argv[1], "internal") == 0) {
+	if (names_equal("internal", argv[1])) {
 		return light_command(sh, SETTING_MODE, ILLUMINATOR_MODE_INTERNAL);
 	}
-	if (strcmp(argv[1], "sync") == 0) {
+	if (names_equal("sync", argv[1])) {
 		return light_command(sh, SETTING_MODE, ILLUMINATOR_MODE_SYNC);
 	}
 	shell_error(sh, "mode: '%s' is neither internal nor sync", argv[1]);
@@ -183,11 +183,32 @@ static int set_program(struct pharos_device *device, void *argument)
 	                                    *(const enum program_kind *)argument);
 }
 
+static bool find_program(const char *name, enum program_kind *kind)
+{
+	for (uint32_t i = 0; i < PROGRAM_KINDS; i++) {
+		*kind = (enum program_kind)i;
+		if (names_equal(program_name(*kind), name)) {
+			return true;
+		}
+	}
+	return false;
+}
+
+/* For the Tab key. */
+static void program_get(size_t index, struct shell_static_entry *entry)
+{
+	*entry = (struct shell_static_entry){
+		.syntax = index < PROGRAM_KINDS ? program_name((enum program_kind)index) : NULL,
+	};
+}
+
+SHELL_DYNAMIC_CMD_CREATE(program_names, program_get);
+
 static int cmd_light_program(const struct shell *sh, size_t argc, char **argv)
 {
 	enum program_kind kind;
 
-	if (!program_find(argv[1], &kind)) {
+	if (!find_program(argv[1], &kind)) {
 		shell_error(sh, "no program '%s'; there are: %s, %s, %s, %s, %s", argv[1],
 		            program_name(PROGRAM_NONE), program_name(PROGRAM_ANTI_COLLISION),
 		            program_name(PROGRAM_DOUBLE_FLASH), program_name(PROGRAM_FADE),
@@ -273,7 +294,7 @@ SHELL_STATIC_SUBCMD_SET_CREATE(
 SHELL_STATIC_SUBCMD_SET_CREATE(
 	light_commands, SHELL_CMD_ARG(off, NULL, "Lamp off", cmd_light_off, 1, 0),
 	SHELL_CMD_ARG(on, NULL, "Lamp on", cmd_light_on, 1, 0),
-	SHELL_CMD_ARG(program, NULL,
+	SHELL_CMD_ARG(program, &program_names,
 		      "none|anti-collision|double-flash|fade|sos  what it shows while on without a "
 		      "strobe",
 		      cmd_light_program, 2, 0),

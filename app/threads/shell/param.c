@@ -10,6 +10,7 @@
 #include "threads/clock.h"
 #include "threads/shell/call.h"
 #include "threads/shell/fixed.h"
+#include "threads/shell/names.h"
 #include "threads/shell/say.h"
 
 static void print_param(const struct shell *sh, const struct params *params, uint32_t index)
@@ -38,7 +39,7 @@ static int print_matching(const struct shell *sh, const char *word)
 		return -EAGAIN;
 	}
 	for (uint32_t index = 0; index < PARAM_COUNT; index++) {
-		if (strncmp(params_info(index)->name, word, strlen(word)) == 0) {
+		if (names_begin(params_info(index)->name, word)) {
 			print_param(sh, &params, index);
 			found++;
 		}
@@ -62,8 +63,19 @@ static int cmd_param_get(const struct shell *sh, size_t argc, char **argv)
 	return MIN(found, 0);
 }
 
+/* PARAM_COUNT: there is none of that name. */
+static uint32_t find(const char *name)
+{
+	uint32_t index = 0;
+
+	while (index < PARAM_COUNT && !names_equal(params_info(index)->name, name)) {
+		index++;
+	}
+	return index;
+}
+
 struct param_request {
-	const char *name;
+	uint32_t index;
 	int32_t value;
 	enum params_result result;
 };
@@ -73,14 +85,13 @@ static int set_param(struct pharos_device *device, void *argument)
 	struct param_request *const request = argument;
 
 	request->result = pharos_device_set_param(device, clock_now_us(), &shell_who,
-	                                          params_find(request->name, strlen(request->name)),
-	                                          request->value);
+	                                          request->index, request->value);
 	return 0;
 }
 
 static int cmd_param_set(const struct shell *sh, size_t argc, char **argv)
 {
-	struct param_request request = {.name = argv[1]};
+	struct param_request request = {.index = find(argv[1])};
 	int64_t value;
 
 	if (!fixed_parse(argv[2], 0, &value) || value < INT32_MIN || value > INT32_MAX) {
@@ -133,12 +144,22 @@ static int cmd_param_reset(const struct shell *sh, size_t argc, char **argv)
 	return 0;
 }
 
+/* For the Tab key. */
+static void name_get(size_t index, struct shell_static_entry *entry)
+{
+	*entry = (struct shell_static_entry){
+		.syntax = index < PARAM_COUNT ? params_info(index)->name : NULL,
+	};
+}
+
+SHELL_DYNAMIC_CMD_CREATE(param_names, name_get);
+
 SHELL_STATIC_SUBCMD_SET_CREATE(
 	param_commands,
-	SHELL_CMD_ARG(get, NULL, "NAME  one parameter, or all that begin so", cmd_param_get, 2, 0),
+	SHELL_CMD_ARG(get, &param_names, "NAME  one parameter, or all that begin so", cmd_param_get, 2, 0),
 	SHELL_CMD_ARG(list, NULL, "All parameters", cmd_param_list, 1, 0),
 	SHELL_CMD_ARG(reset, NULL, "Everything back to its default", cmd_param_reset, 1, 0),
-	SHELL_CMD_ARG(set, NULL, "NAME VALUE  change one parameter", cmd_param_set, 3, 0),
+	SHELL_CMD_ARG(set, &param_names, "NAME VALUE  change one parameter", cmd_param_set, 3, 0),
 	SHELL_SUBCMD_SET_END);
 
 SHELL_CMD_REGISTER(param, &param_commands, "Parameters", NULL);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * stdio: standard input and output. On a terminal: raw, but for ^C, ^\ and the line feeds of the
- * output; restored at the end. Pipes and files do as well; the end of the input ends nothing,
+ * output; restored at the end. The console's own terminal hands on ^C as well: the shell there says
+ * how to leave. Pipes and files do as well; the end of the input ends nothing,
  * unless it is "stdio:eof=exit".
  *
  * The descriptors stay blocking, since they are shared with other programs. Nothing is read before
@@ -52,13 +53,23 @@ static bool in_background(const struct stdio *stdio)
 	return stdio->kept.is_terminal && group != -1 && group != getpgrp();
 }
 
-static void make_raw(struct stdio *stdio)
+/* Nobody but the shell would know what to do with a ^C. */
+static bool has_shell(const struct wire *wire)
 {
+	return strcmp(wire->name, "console") == 0 && isatty(STDOUT_FILENO);
+}
+
+static void make_raw(const struct wire *wire)
+{
+	const struct stdio *stdio = wire->state;
 	struct termios raw = stdio->kept.settings;
 
 	cfmakeraw(&raw);
 	raw.c_lflag |= ISIG;
 	raw.c_oflag |= OPOST | ONLCR;
+	if (has_shell(wire)) {
+		raw.c_cc[VINTR] = _POSIX_VDISABLE;
+	}
 	raw.c_cc[VSUSP] = _POSIX_VDISABLE; /* ^Z would leave a stopped light and a raw terminal */
 	crash_restore_terminal(STDIN_FILENO, &stdio->kept.settings);
 	tcsetattr(STDIN_FILENO, TCSANOW, &raw);
@@ -117,7 +128,7 @@ static void start_input(struct wire *wire)
 		return;
 	}
 	if (stdio->kept.is_terminal) {
-		make_raw(stdio);
+		make_raw(wire);
 	}
 	stdio->input.fd = STDIN_FILENO;
 	stdio->input.ready = on_input;

@@ -21,7 +21,8 @@ static int cmd_help(const struct shell *sh, size_t argc, char **argv)
 			sh,
 			"Tab completes a command, or lists what fits. Up and down: history.\n"
 			"Ctrl-A/E start/end, Alt-B/F word left/right, Ctrl-W word, Ctrl-U/K to\n"
-			"start/end, Ctrl-C new line, Ctrl-L clear the screen.");
+			"start/end, Ctrl-C new line, Ctrl-L clear the screen.%s",
+			sh->ctx->leave != NULL ? " Ctrl-D on an empty line leaves." : "");
 	}
 	shell_print(sh, "-h or --help after a command tells more about it. Commands:");
 	shell_help_commands(sh, NULL);

@@ -192,7 +192,7 @@ static void cancel(const struct shell *sh)
 
 	ctx->pos = ctx->len;
 	shell_edit_show(sh);
-	shell_out_text(sh, "^C");
+	shell_out_text(sh, ctx->len == 0 && ctx->leave != NULL ? "^C (Ctrl-D leaves)" : "^C");
 	shell_out_fresh_line(sh);
 	shell_edit_reset(sh);
 	shell_edit_show(sh);
@@ -244,6 +244,10 @@ static void control(const struct shell *sh, char byte)
 	struct shell_ctx *ctx = sh->ctx;
 
 	ctx->overflow = false;
+	if (byte == CTRL('D') && ctx->len == 0 && ctx->leave != NULL) {
+		shell_out_fresh_line(sh);
+		ctx->leave();
+	}
 	if (edit_control(ctx, byte)) {
 		shell_edit_show(sh);
 		return;

@@ -7,7 +7,8 @@
 enum shell_peer {
 	SHELL_PEER_NONE, /* the wire "none": no shell, and the log goes to port_console_write() */
 	SHELL_PEER_PROGRAM,  /* pipes, files, sockets: no echo, no prompt, no colours */
-	SHELL_PEER_TERMINAL, /* stdio with a terminal at both ends, pty, serial */
+	SHELL_PEER_TERMINAL, /* pty, serial */
+	SHELL_PEER_CONSOLE,  /* stdio with a terminal at both ends: this program's own */
 };
 
 /* name: the wire's, as the devicetree has it ("console"). */

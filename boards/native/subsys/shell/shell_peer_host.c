@@ -17,7 +17,7 @@ enum shell_peer shell_peer_of(const char *name)
 		return SHELL_PEER_TERMINAL;
 	}
 	if (wire->type == &wire_stdio && isatty(STDIN_FILENO) && isatty(STDOUT_FILENO)) {
-		return SHELL_PEER_TERMINAL;
+		return SHELL_PEER_CONSOLE;
 	}
 	return SHELL_PEER_PROGRAM;
 }

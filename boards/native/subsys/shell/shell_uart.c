@@ -9,6 +9,7 @@
 #include <zephyr/irq.h>
 #include <zephyr/shell/shell_uart.h>
 
+#include "kernel/port.h"
 #include "shell_peer.h"
 
 #define SHELL_NODE DT_CHOSEN(zephyr_shell_uart)
@@ -204,11 +205,16 @@ const struct shell *shell_backend_uart_get_ptr(void)
 	return &shell_uart;
 }
 
+static void leave(void)
+{
+	port_exit(0);
+}
+
 static int start(void)
 {
 	const struct device *dev = DEVICE_DT_GET(SHELL_NODE);
 	const enum shell_peer peer = shell_peer_of(DT_PROP(SHELL_NODE, wire));
-	const bool terminal = peer == SHELL_PEER_TERMINAL;
+	const bool terminal = peer == SHELL_PEER_TERMINAL || peer == SHELL_PEER_CONSOLE;
 	const struct shell_backend_config_flags flags = {
 		.echo = terminal,
 		.use_colors = terminal,
@@ -219,6 +225,7 @@ static int start(void)
 	if (!device_is_ready(dev) || peer == SHELL_PEER_NONE) {
 		return 0;
 	}
+	shell_uart.ctx->leave = peer == SHELL_PEER_CONSOLE ? leave : NULL;
 	return shell_init(&shell_uart, dev, flags, true, 0);
 }
 

@@ -242,6 +242,7 @@ struct shell_ctx {
 	bool log_backend; /* lines of log go through this shell */
 	int ret_val;
 	shell_bypass_cb_t bypass; /* NULL: bytes are keys */
+	void (*leave)(void);      /* Ctrl-D on an empty line: ends the program; NULL: nothing */
 
 	/* the line being typed */
 	char line[CONFIG_SHELL_CMD_BUFF_SIZE]; /* always terminated */
