@@ -11,6 +11,7 @@
 # make simulate         worlds of lights, faults and attackers: SEEDS=1:301, or SEED=42 told at length;
 #                       WORKERS=tcp://HOST:8786 spreads them over a Dask cluster
 # make simulate-worker  this machine works for that cluster: SCHEDULER=tcp://HOST:8786
+# make simulate-powerup  power-ups with chips that are late, silent or broken: SEEDS=1:10001
 # make simulate-store   a power cut at every byte of what the store writes: CUTS=1000000
 # make coverage         which lines and branches of app/ the suite takes: build/coverage/html
 # make bench            the figures of README, from one run
@@ -38,7 +39,7 @@ PYTHON = .venv/bin/python
 
 .DEFAULT_GOAL = help
 .PHONY: help run build host test lint fuzz bench picture parameters format clean
-.PHONY: simulate simulate-worker simulate-store coverage
+.PHONY: simulate simulate-worker simulate-powerup simulate-store coverage
 .PHONY: tools test-tools
 
 help:
@@ -77,6 +78,9 @@ simulate: test-tools build
 
 simulate-worker: test-tools build
 	@PYTHONPATH=tests/sim/world .venv/bin/dask worker $(SCHEDULER) --nworkers -1 --nthreads 1
+
+simulate-powerup: test-tools build
+	@$(PYTHON) tests/sim/powerup/powerup.py --seeds $(SEEDS)
 
 simulate-store: tools $(BUILD)/build.ninja
 	@cmake --build $(BUILD) --target store_sim

@@ -45,15 +45,11 @@ static void bite(struct k_timer *timer)
 	port_reset(RESET_CAUSE_WATCHDOG);
 }
 
-static int wdt_native_install_timeout(const struct device *dev, const struct wdt_timeout_cfg *cfg)
+static int install(const struct device *dev, const struct wdt_timeout_cfg *cfg)
 {
 	struct wdt_native_data *data = dev->data;
 	struct wdt_native_channel *channel;
-	const int fault = fault_pass(BOARD_CHIP_WATCHDOG);
 
-	if (fault != 0) {
-		return fault;
-	}
 	if (data->running) {
 		return data->at_boot ? -ENOMEM : -EBUSY; /* as STM32's IWDG, and as others */
 	}
@@ -72,6 +68,13 @@ static int wdt_native_install_timeout(const struct device *dev, const struct wdt
 	channel->dev = dev;
 	k_timer_init(&channel->timer, bite, NULL);
 	return data->count++;
+}
+
+static int wdt_native_install_timeout(const struct device *dev, const struct wdt_timeout_cfg *cfg)
+{
+	const int fault = fault_pass(BOARD_CHIP_WATCHDOG);
+
+	return fault != 0 ? fault : install(dev, cfg);
 }
 
 static void restart(struct wdt_native_channel *channel)
@@ -134,7 +137,7 @@ static int start_at_boot(const struct device *dev)
 		.flags = WDT_FLAG_RESET_SOC,
 	};
 	struct wdt_native_data *data = dev->data;
-	int rc = wdt_native_install_timeout(dev, &boot);
+	int rc = install(dev, &boot);
 
 	if (rc >= 0) {
 		rc = wdt_native_setup(dev, 0);

@@ -292,16 +292,18 @@ bool port_thread_stalled(const char *name)
 	return false;
 }
 
-static void stall_at_start(const char *name, bool stalled)
+/* True: that changes something. */
+static bool stall_at_start(const char *name, bool stalled)
 {
 	for (size_t i = 0; i < STALLED_MAX; i++) {
 		if (strcmp(world.stalled[i], name) == 0 ||
 		    (stalled && world.stalled[i][0] == '\0')) {
 			(void)snprintf(world.stalled[i], STALLED_NAME_MAX, "%s",
 			               stalled ? name : "");
-			return;
+			return true;
 		}
 	}
+	return false;
 }
 
 static enum control_result fault_thread(struct control_call *call)
@@ -321,10 +323,9 @@ static enum control_result fault_thread(struct control_call *call)
 			call, "thread: no kind '%s'; there are none, stalled, stalled at start",
 			kind);
 	}
-	if (at_start || none) {
-		stall_at_start(name, at_start);
-	}
-	if (!at_start && !bridge_stall_thread(name, !none, names, sizeof(names))) {
+	const bool changed = (at_start || none) && stall_at_start(name, at_start);
+
+	if (!at_start && !bridge_stall_thread(name, !none, names, sizeof(names)) && !changed) {
 		return control_fail(call, "thread: no '%s'; there are %s", name, names);
 	}
 	return CONTROL_OK;
