@@ -121,6 +121,11 @@ static void assert_limit(const struct thermal_report *before, const struct therm
 		zassert_equal(now->sensor, THERMAL_SENSOR_FAILED, "seed %u step %d", replay_seed(),
 		              step);
 	}
+	if (sample != NULL && (sample->status == THERMAL_SAMPLE_SHORT ||
+	                       (readable && sample->temp_mdegc > config.max_mdegc))) {
+		zassert_true(now->limit_ppm == 0 && now->state == THERMAL_STATE_SHUTDOWN,
+		             "seed %u step %d: hot beyond measure", replay_seed(), step);
+	}
 	if (before->sensor != THERMAL_SENSOR_WAITING) {
 		/* 100 000 ppm/s for 100 ms since the last sample; gaps are failures. */
 		zassert_true(now->limit_ppm <= before->limit_ppm + 10000,
@@ -146,8 +151,11 @@ static void an_hour(struct dice *dice)
 {
 	struct world world = {.temp_c = 20, .ambient_c = 20};
 	struct thermal thermal;
+	bool in_range = false;
 	int64_t now_us = 0;
 
+	/* the first sample may already be none */
+	world.trouble = dice_once_in(dice, 2) ? TROUBLE_NONE : dice_next(dice) % TROUBLES;
 	thermal_init(&thermal, now_us, &config);
 	for (int step = 0; step < STEPS; step++) {
 		const struct thermal_report before = thermal.report;
@@ -161,6 +169,11 @@ static void an_hour(struct dice *dice)
 
 		assert_limit(&before, &now, sampled ? &sample : NULL, step);
 		assert_latch(&before, &now, sampled ? &sample : NULL, step);
+		in_range = in_range || (sampled && sample.status == THERMAL_SAMPLE_OK &&
+		                        sample.temp_mdegc >= config.min_mdegc &&
+		                        sample.temp_mdegc <= config.max_mdegc);
+		zassert_true(in_range || now.limit_ppm == 0, "seed %u step %d: lit blindly",
+		             replay_seed(), step);
 		seen[now.flags]++;
 	}
 }
