@@ -49,8 +49,12 @@ int wire_parse(struct wire *wire, const char *url, struct host_error *error)
 		url);
 }
 
+static void give(struct wire *wire, const uint8_t *data, size_t length);
+
 void wire_add(struct wire *wire)
 {
+	wire->give = give;
+	wire->leave = wire_peer_leave;
 	if (wire_count == WIRES_MAX) {
 		abort();
 	}
@@ -135,7 +139,7 @@ static void set_paused(struct wire *wire, bool paused)
 	}
 }
 
-void wire_give(struct wire *wire, const uint8_t *data, size_t length)
+static void give(struct wire *wire, const uint8_t *data, size_t length)
 {
 	port_trace("rx", wire->name, (int64_t)length);
 	if (has_fault(&wire->kept.rx_fault)) {
@@ -150,7 +154,7 @@ static void release(struct wire *wire, int voice, const uint8_t *data, size_t le
 {
 	wire->kept.released += length;
 	if (voice == WIRE_VOICES) {
-		wire_give(wire, data, length);
+		give(wire, data, length);
 	} else if (length == 0) {
 		wire_voice_reset(wire, voice);
 	} else {

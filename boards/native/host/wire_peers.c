@@ -3,7 +3,6 @@
 
 #include "host/address.h"
 #include "host/clock.h"
-#include "host/wire.h"
 
 /* --- where a message ends --------------------------------------------------------------------- */
 
@@ -114,7 +113,7 @@ static struct wire_voice *whose_turn(struct wire *wire)
 
 static void pass(struct wire *wire, struct wire_voice *voice, size_t count)
 {
-	wire_give(wire, buffer_bytes(&voice->held), count);
+	wire->give(wire, buffer_bytes(&voice->held), count);
 	buffer_consume(&voice->held, count);
 }
 
@@ -332,7 +331,7 @@ int wire_peer_place(struct wire *wire, const struct sockaddr_storage *address, b
 	}
 	if (wire->kept.peers[best].present) {
 		*gone = best;
-		wire_peer_leave(wire, best);
+		wire->leave(wire, best);
 	}
 	wire->kept.peers[best] = (struct wire_peer){
 		.address = *address,

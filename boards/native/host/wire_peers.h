@@ -22,45 +22,13 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <sys/socket.h>
 
-#include "host/buffer.h"
+#include "host/wire_state.h"
 
 #define WIRE_HOLD_US         200000u
 #define WIRE_PEER_IDLE_US    1500000u /* longer than a station's heartbeat */
 #define WIRE_PEER_GRACE_US   2000000u /* in which a new one may say something */
 #define WIRE_PEER_TIMEOUT_US 60000000u
-
-enum {
-	WIRE_PEERS_MAX = 8,
-	WIRE_NOBODY = WIRE_PEERS_MAX, /* whoever has no place: heard, and not answered */
-	WIRE_VOICES = WIRE_PEERS_MAX + 1,
-	WIRE_MESSAGE_MAX = 8192, /* a longer one is no message */
-};
-
-enum wire_framing {
-	WIRE_FRAMING_NONE, /* every byte for itself: a console */
-	WIRE_FRAMING_MAVLINK,
-	WIRE_FRAMING_IMC,
-};
-
-/* Plain data, carried over resets. Board time. */
-struct wire_peer {
-	struct sockaddr_storage address;
-	uint64_t since_us;
-	uint64_t heard_us;
-	bool present;
-	bool spoke; /* a whole message */
-};
-
-/* What a voice has said and the device has not got. */
-struct wire_voice {
-	struct buffer held;
-	uint64_t heard_us;
-	size_t rest; /* of a message whose beginning the device has got */
-};
-
-struct wire;
 
 /*
  * A place for a new peer, which is then present; -1: there is none. spoke: it has said a whole
@@ -75,9 +43,6 @@ int wire_peer_find(const struct wire *wire, const struct sockaddr_storage *addre
 
 /* Is there a whole message at the beginning? */
 bool wire_peer_is_message(const struct wire *wire, const uint8_t *data, size_t length);
-
-/* Its place is free; what it has not said to the end is left out. */
-void wire_peer_leave(struct wire *wire, int peer);
 
 /* --- for wire.c ------------------------------------------------------------------------------- */
 
