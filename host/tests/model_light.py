@@ -6,15 +6,13 @@ for."""
 from __future__ import annotations
 
 import copy
-import json
 import math
-import struct
-import zlib
 from collections.abc import Callable, Iterable
 from typing import Any
 
 from pymavlink.generator.mavcrc import x25crc
 
+from model_files import PARAMETERS, ModelFiles, crc32
 from pharos import Link, load_dialect
 
 SYSTEM, COMPONENT, GIMBAL = 1, 243, 154
@@ -25,24 +23,6 @@ ACCEPTED, REJECTED, DENIED, UNSUPPORTED = 0, 1, 2, 3
 SECOND = 1_000_000
 # More commands than anybody sends again, and so many as the next requirement is spared.
 DEAF = 10
-FTP = struct.Struct("<HBBBBBxI")
-PARAMETERS = {"BRIGHT_MAX": 100.0, "STROBE_MIN": 0.05, "TEMP_LIMIT": 85.0, "LED_COUNT": 4.0}
-
-
-def crc32(data: bytes) -> int:
-    return zlib.crc32(data, 0xFFFFFFFF) ^ 0xFFFFFFFF
-
-
-def files(faults: frozenset[str]) -> dict[str, bytes]:
-    described = [{"name": name, "type": "Float"} for name in PARAMETERS]
-    parameters = json.dumps({"version": 1, "parameters": described}).encode()
-    uri = "mftp:///nowhere.json" if "metadata names no file" in faults else "mftp:///params.json"
-    general = {
-        "version": 1,
-        "metadataTypes": [{"type": 1, "uri": uri, "fileCrc": crc32(parameters)}],
-    }
-    text = b"{" if "metadata is no JSON" in faults else json.dumps(general).encode()
-    return {"/general.json": text, "/params.json": parameters}
 
 
 class ModelLight(Link):
@@ -71,9 +51,7 @@ class ModelLight(Link):
         self.requests = 0
         self.lists = 0
         self.first_client: tuple[int, int] | None = None
-        self.files = files(self.faults)
-        self.sessions: dict[int, str] = {}
-        self.last_ftp: tuple[int, bytes] | None = None
+        self.files = ModelFiles(self.faults, self.has)
 
     def has(self, fault: str) -> bool:
         self.asked.add(fault)
@@ -584,52 +562,6 @@ class ModelLight(Link):
             return
         if self.has("has no FTP"):
             return
-        content = bytes(message.payload)
-        sequence, session, opcode, size, _, _, offset = FTP.unpack_from(content)
-        if self.last_ftp and self.last_ftp[0] == sequence and not self.has("forgets its answers"):
-            self.say_file(message, self.last_ftp[1])
-            return
-        data = content[12 : 12 + size]
-        error, answer, session = self.file_request(opcode, data, session, offset, size)
-        number = (sequence + (0 if self.has("answers with the same number") else 1)) % 65536
-        if self.has("forgets its answers"):
-            number = (number + self.now // 1000) % 65536 if opcode == 3 else number
-        kind, body = (129, bytes([error])) if error else (128, answer)
-        reply = FTP.pack(number, session, kind, len(body), opcode, 1, offset) + body
-        self.last_ftp = (sequence, reply)
-        self.say_file(message, reply)
-
-    def say_file(self, request: Any, payload: bytes) -> None:
-        to = (request.get_srcSystem(), request.get_srcComponent())
-        self.say(self.d.MAVLink_file_transfer_protocol_message(0, *to, payload.ljust(251, b"\0")))
-
-    def file_request(
-        self, opcode: int, data: bytes, session: int, offset: int, size: int
-    ) -> tuple[int, bytes, int]:
-        """Error, data, session."""
-        path = data.rstrip(b"\0").decode()
-        if opcode == 1:
-            if not self.has("keeps sessions open"):
-                self.sessions.pop(session, None)
-            return 0, b"", session
-        if opcode == 2:
-            self.sessions.clear()
-            return 0, b"", session
-        if opcode == 3:
-            entries = [f"F{n[1:]}\t{len(c)}".encode() for n, c in self.files.items()][offset:]
-            return (0, b"\0".join(entries) + b"\0", session) if entries else (6, b"", session)
-        if opcode in (4, 14):
-            if path not in self.files:
-                return (1 if self.has("fails without a reason") else 10), b"", session
-            if opcode == 14:
-                return 0, crc32(self.files[path]).to_bytes(4, "little"), session
-            self.sessions[1] = path
-            return 0, len(self.files[path]).to_bytes(4, "little"), 1
-        if opcode in (5, 15):
-            if session not in self.sessions:
-                return 4, b"", session
-            part = self.files[self.sessions[session]][offset : offset + size]
-            if not part and not self.has("has no end of file"):
-                return 6, b"", session
-            return 0, part, session
-        return (2 if self.has("fails at unknown opcodes") else 7), b"", session
+        reply = self.files.answer(bytes(message.payload), self.now)
+        to = (message.get_srcSystem(), message.get_srcComponent())
+        self.say(self.d.MAVLink_file_transfer_protocol_message(0, *to, reply.ljust(251, b"\0")))

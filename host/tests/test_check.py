@@ -3,20 +3,15 @@
 
 from __future__ import annotations
 
-import json
 import re
-import signal
 import subprocess
-import sys
-from bisect import bisect_right
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import pytest
 
+from checking import OPTICAL_FAULTS, checked, failing, on_simulator
 from model_light import ModelLight
 from pharos import (
     Light,
@@ -33,19 +28,12 @@ from pharos.check import (
     REQUIREMENTS,
     Level,
     Report,
-    as_html,
-    as_junit,
-    as_object,
-    as_page,
-    check,
     find,
     selected,
 )
-from pharos.cli import main
 from pharos.connection import signing_time
 from pharos.parameters import Parameters
-from pharos.photodiode import open_photodiode
-from real_light import BINARY, PATIENCE_S, PHAROS, ROOT, environment, wait_for
+from real_light import BINARY, ROOT
 
 # What each fault breaks: the must that names it, and those that cannot hold with it either.
 FAULTS: dict[str, tuple[str, ...]] = {
@@ -157,20 +145,6 @@ FAULTS: dict[str, tuple[str, ...]] = {
 }  # fmt: skip
 
 
-def checked(light: ModelLight, *only: str, **options: Any) -> Report:
-    connection = MavlinkConnection(light, light, light.d)
-    connection.target = find(connection, None)
-    return check(connection, selected(only), **options)
-
-
-def failing(report: Report, level: Level) -> list[str]:
-    return [
-        r.requirement.id
-        for r in report.results
-        if r.outcome == "failed" and r.requirement.level == level
-    ]
-
-
 # --- right lights ---------------------------------------------------------------------------------
 def test_a_right_light_passes_all_that_it_offers() -> None:
     light = ModelLight()
@@ -198,22 +172,14 @@ def test_a_light_with_one_mode_is_right_too() -> None:
 def test_our_light_passes(binary: Path, wire: str) -> None:
     with Simulator(binary, {"uart0": wire}) as sim:
         connection = sim.connect("uart0")
-        report = _on(sim, connection)
+        report = on_simulator(sim, connection)
     _is_ours(report)
 
 
 def test_our_light_passes_through_the_can_tunnel(binary: Path) -> None:
     with Simulator(binary, {"can0": "udp:127.255.255.255:{port}"}) as sim:
-        report = _on(sim, sim.connect("can0"))
+        report = on_simulator(sim, sim.connect("can0"))
     _is_ours(report)
-
-
-def _on(sim: Simulator, connection: MavlinkConnection, **options: Any) -> Report:
-    sim.advance(s=2)
-    connection.target = find(connection, None)
-    report = check(connection, **options)
-    assert sim.outputs()["enable"] == 0
-    return report
 
 
 def _is_ours(report: Report) -> None:
@@ -321,7 +287,7 @@ def test_each_wrong_build_of_ours_is_found(binary: Path, tmp_path: Path, name: s
     build = BUILDS[name]
     dialect = load_dialect(find_dialect(binary.parent))
     with Simulator(_built(build, tmp_path), {"uart0": "udpin:127.0.0.1:0"}, dialect=dialect) as sim:
-        report = _on(sim, sim.connect("uart0"))
+        report = on_simulator(sim, sim.connect("uart0"))
     assert sorted(report.broken()) == sorted(build.breaks)
 
 
@@ -379,7 +345,7 @@ def _with_key(sim: Simulator) -> MavlinkConnection:
 
 def test_our_light_passes_with_a_key(binary: Path) -> None:
     with Simulator(binary, {"uart0": "udpin:127.0.0.1:0"}) as sim:
-        report = _on(sim, _with_key(sim), key=KEY)
+        report = on_simulator(sim, _with_key(sim), key=KEY)
     assert (report.broken(), report.left) == ([], "")
     assert all(r.outcome == "passed" for r in report.results if r.requirement.group == "SG")
 
@@ -389,7 +355,7 @@ def test_each_wrong_way_to_sign_is_found(binary: Path, tmp_path: Path, name: str
     build = SIGNING_BUILDS[name]
     dialect = load_dialect(find_dialect(binary.parent))
     with Simulator(_built(build, tmp_path), {"uart0": "udpin:127.0.0.1:0"}, dialect=dialect) as sim:
-        report = _on(sim, _with_key(sim), requirements=selected(["SG", "HB"]), key=KEY)
+        report = on_simulator(sim, _with_key(sim), requirements=selected(["SG", "HB"]), key=KEY)
     assert report.broken() == list(build.breaks)
 
 
@@ -399,118 +365,12 @@ def test_a_light_that_signs_says_so_to_who_has_no_key(binary: Path) -> None:
         connection.sign(b"", 0)
         sim.advance(s=2)
         with pytest.raises(SilentError, match="--key-file"):
-            _on(sim, connection)
+            on_simulator(sim, connection)
         with pytest.raises(SilentError, match="--key-file"):
             Light(connection).on()
         connection.sign(bytes(32 * [7]), signing_time())
         with pytest.raises(SilentError, match="not signed with this key"):
             Light(connection).find()
-
-
-# --- with a sensor --------------------------------------------------------------------------------
-class Sensor:
-    """Sees a light of ours, or of another make, once each millisecond of its time."""
-
-    def __init__(self, clock: Callable[[], int], level: Callable[[int], float]) -> None:
-        self._clock = clock
-        self._level = level
-        self._since_us = 0
-
-    def take(self) -> list[tuple[float, float]]:
-        start, self._since_us = self._since_us, self._clock()
-        return [(t / 1e6, self._level(t)) for t in range(start, self._since_us, 1000)]
-
-    def close(self) -> None:
-        pass
-
-
-OPTICAL_FAULTS: dict[str, tuple[str, ...]] = {
-    "is dark for good": ("OP-1", "OP-2", "OP-3", "OP-4"),
-    "stays lit when it is off": ("OP-1", "OP-2", "OP-3", "OP-4"),
-    "strobes 10 % too slowly": ("OP-2",),
-    "takes lit for dark": ("OP-3",),
-    "flashes where it should be steady": ("OP-4",),
-}
-
-
-def test_a_right_lamp_passes() -> None:
-    light = ModelLight()
-    report = checked(light, "OP", photodiode=Sensor(light.now_us, light.level))
-    assert [r.outcome for r in report.results] == ["passed"] * 5
-
-
-@pytest.mark.parametrize("fault", OPTICAL_FAULTS)
-def test_each_fault_of_the_lamp_is_seen(fault: str) -> None:
-    light = ModelLight({fault})
-    report = checked(light, "OP", photodiode=Sensor(light.now_us, light.level))
-    assert tuple(report.broken()) == OPTICAL_FAULTS[fault]
-
-
-def test_a_lamp_that_does_not_dim_is_weak() -> None:
-    light = ModelLight({"is all the same to brightness"})
-    report = checked(light, "OP", photodiode=Sensor(light.now_us, light.level))
-    assert failing(report, Level.SHOULD) == ["OP-5"]
-
-
-def test_our_lamp_passes(binary: Path) -> None:
-    with Simulator(binary, {"uart0": "udpin:127.0.0.1:0"}) as sim:
-        edges: list[tuple[int, int]] = [(0, 0)]
-
-        def level(time_us: int) -> float:
-            """From the light's own record of its output, which is fetched as time goes on."""
-            if edges[-1][0] <= time_us:
-                edges.extend((e.time_us, e.level_ppm) for e in sim.edges())
-            at = bisect_right(edges, (time_us, 1 << 40))
-            return edges[at - 1][1] / 1e6
-
-        sensor = Sensor(sim.now_us, level)
-        report = _on(sim, sim.connect("uart0"), requirements=selected(["OP"]), photodiode=sensor)
-    assert [r.outcome for r in report.results] == ["passed"] * 5
-
-
-def test_a_sensor_is_a_command(tmp_path: Path) -> None:
-    script = tmp_path / "sensor.py"
-    script.write_text("import signal; print('0.5 12'); print('0.6 13', flush=True); signal.pause()")
-    sensor = open_photodiode(f"{sys.executable} {script}")
-    samples: list[tuple[float, float]] = []
-
-    def came() -> bool:
-        samples.extend(sensor.take())
-        return len(samples) == 2
-
-    wait_for(came, "two samples")
-    sensor.close()
-    assert samples == [(0.5, 12.0), (0.6, 13.0)]
-
-
-@pytest.mark.parametrize(("text", "hint"), [("print('much light')", "much light"), ("", "ended")])
-def test_a_sensor_that_says_nothing_useful_is_told_of(tmp_path: Path, text: str, hint: str) -> None:
-    script = tmp_path / "sensor.py"
-    script.write_text(text)
-    sensor = open_photodiode(f"{sys.executable} {script}")
-
-    def has_ended() -> bool:
-        try:
-            return bool(sensor.take())
-        except LinkError as error:
-            return hint in str(error)
-
-    wait_for(has_ended, hint)
-    sensor.close()
-    with pytest.raises(UsageError):
-        open_photodiode("/nonexistent/sensor")
-
-
-def test_a_sensor_of_the_kernels_is_read(tmp_path: Path) -> None:
-    raw = tmp_path / "in_intensity_raw"
-    raw.write_text("42\n")
-    sensor = open_photodiode(f"iio:{raw}")
-    samples: list[tuple[float, float]] = []
-    wait_for(lambda: bool(samples.extend(sensor.take()) or len(samples) > 3), "samples")
-    sensor.close()
-    assert {level for _, level in samples} == {42.0}
-    with pytest.raises(LinkError):
-        open_photodiode(f"iio:{tmp_path}/none")
 
 
 # --- what it leaves behind ------------------------------------------------------------------------
@@ -634,110 +494,3 @@ def test_a_link_that_breaks_is_an_error() -> None:
     light = Broken()
     with pytest.raises(LinkError, match="gone"):
         checked(light)
-
-
-# --- reports --------------------------------------------------------------------------------------
-HOSTILE = "\x1b[2J</pre><script>"
-
-
-class Hostile(ModelLight):
-    def say_information(self) -> None:
-        text = HOSTILE.encode()
-        self.say(
-            self.d.MAVLink_component_information_basic_message(
-                0, 8192, 0, text, b"", text, b"", b""
-            )
-        )
-
-
-@pytest.fixture(scope="module")
-def report() -> Report:
-    return checked(Hostile({"takes 2 for on"}), "INF", "SW", "GB-1")
-
-
-def test_json_has_every_result(report: Report) -> None:
-    fields = as_object(report)
-    assert fields["passed"] is False
-    by_id = {result["id"]: result for result in fields["results"]}
-    assert by_id["SW-3"]["outcome"] == "failed"
-    assert by_id["SW-3"]["level"] == "must"
-    assert "405 (2)" in by_id["SW-3"]["seen"]
-    assert any("→ COMMAND_LONG 405" in line for line in by_id["SW-3"]["log"])
-    assert by_id["GB-1"]["outcome"] == "not offered"
-    assert by_id["SW-1"]["url"].startswith("https://mavlink.io/en/services/illuminator.html")
-
-
-def test_junit_has_musts_as_failures(report: Report) -> None:
-    text = as_junit(report)
-    suite = ElementTree.fromstring(text)
-    failures = [c.get("name") for c in suite.iter("testcase") if c.find("failure") is not None]
-    assert suite.get("tests") == str(len(report.results))
-    assert suite.get("failures") == str(len(failures)) == str(len(report.broken()))
-    assert any(name and name.startswith("SW-3 must") for name in failures)
-    assert "\x1b" not in text
-
-
-def test_html_is_one_safe_page(report: Report) -> None:
-    page = as_html(report)
-    assert "<script>" not in page
-    assert "\x1b" not in page
-    assert "\\x1b[2J&lt;/pre&gt;" in page
-    assert "src=" not in page
-    assert "SW-3" in page
-
-
-# --- the page and the command ---------------------------------------------------------------------
-def test_the_page_is_what_the_code_says() -> None:
-    page = Path(__file__).resolve().parents[2] / "docs" / "check.md"
-    assert page.read_text() == as_page(), "pharos check --list --markdown > docs/check.md"
-
-
-def test_every_requirement_says_why_and_where() -> None:
-    for requirement in REQUIREMENTS:
-        assert len(requirement.explanation) > 20, requirement.id
-        assert requirement.page.partition("#")[0].endswith(".html")
-
-
-def test_explain_and_list_need_no_light(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["check", "--explain", "cf-12"]) == 0
-    assert capsys.readouterr().out.startswith("CF-12 (must): the light changes nothing")
-    assert main(["check", "--list", "--only", "SW"]) == 0
-    assert "SW-7" in capsys.readouterr().out
-    assert main(["check", "--list", "--json", "--only", "SW-1"]) == 0
-    assert json.loads(capsys.readouterr().out)["id"] == "SW-1"
-    assert main(["check"]) == 2
-    assert main(["check", "--explain", "none"]) == 2
-
-
-@pytest.mark.realtime
-def test_the_command_checks_a_light(
-    real_light: Callable[..., Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    light = real_light("--uart0", "udpin:127.0.0.1:0")
-    reports = ["--html", str(tmp_path / "c.html"), "--junit", str(tmp_path / "c.xml")]
-    assert main(["check", light.url(), "--only", "SW", *reports]) == 0
-    out = capsys.readouterr().out
-    assert "SW-1   must    passed" in out
-    assert "must: 6 passed" in out
-    assert (tmp_path / "c.html").read_text().startswith("<!doctype html>")
-    assert ElementTree.parse(tmp_path / "c.xml").getroot().get("failures") == "0"
-    assert main(["check", light.url(), "--only", "SW-1", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["passed"] is True
-
-
-@pytest.mark.realtime
-def test_an_interrupted_command_leaves_the_light_off(real_light: Callable[..., Any]) -> None:
-    light = real_light("--uart0", "udpin:127.0.0.1:0")
-    words = [*PHAROS, "check", light.url(), "--only", "SW", "--only", "CF"]
-    process = subprocess.Popen(words, stdout=subprocess.PIPE, env=environment())
-    assert process.stdout is not None
-    wait_for(lambda: light.control.request("outputs")["enable"] == 1, "a light that is on")
-    process.send_signal(signal.SIGINT)
-    process.stdout.read()
-    assert process.wait(PATIENCE_S) == 130
-    assert light.control.request("outputs")["enable"] == 0
-
-
-def test_a_light_that_is_not_there_ends_with_3(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["check", "udp:127.0.0.1:9", "--timeout", "0.2"]) == 3
-    assert "no illuminator" in capsys.readouterr().err

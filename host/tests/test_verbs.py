@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from model_files import ModelFiles
 from model_light import ModelLight
 from pharos import (
     CommandError,
@@ -77,12 +78,13 @@ def test_a_light_without_files_is_told_of() -> None:
 
 
 def test_a_file_that_ends_early_is_told_of() -> None:
-    class Short(ModelLight):
-        def file_request(self, opcode: int, *args: Any) -> tuple[int, bytes, int]:
-            error, data, session = super().file_request(opcode, *args)
+    class Short(ModelFiles):
+        def request(self, opcode: int, *args: Any) -> tuple[int, bytes, int]:
+            error, data, session = super().request(opcode, *args)
             return error, (data[:4] if opcode == 4 else b""), session
 
-    model = Short({"has no end of file"})
+    model = ModelLight({"has no end of file"})
+    model.files = Short(model.faults, model.has)
     found = Light(MavlinkConnection(model, model, model.d))
     found.find()
     with pytest.raises(PharosError, match="ends at 0"):
