@@ -12,7 +12,7 @@
 #include <stm32_ll_usart.h>
 
 /* The driver has set up the UART before; the FIFO can be turned on while the UART is off only. */
-static void turn_on(USART_TypeDef *uart)
+static __maybe_unused void turn_on(USART_TypeDef *uart)
 {
 #ifdef USART_CR1_FIFOEN
 	if (IS_UART_FIFO_INSTANCE(uart)) {
