@@ -26,15 +26,15 @@ class Actor(DynamicActor):  # type: ignore[misc]
             if self.resolve_node_id(message).sys_name == LIGHT:
                 print(f"{message.msg_name} of {LIGHT}", flush=True)
 
-    @Subscribe(imcpy.Heartbeat)  # type: ignore[misc]
+    @Subscribe(imcpy.Heartbeat)  # type: ignore[untyped-decorator]
     def on_heartbeat(self, message: Any) -> None:
         self._print(message)
 
-    @Subscribe(imcpy.EntityState)  # type: ignore[misc]
+    @Subscribe(imcpy.EntityState)  # type: ignore[untyped-decorator]
     def on_state(self, message: Any) -> None:
         self._print(message)
 
-    @Periodic(1)  # type: ignore[misc]
+    @Periodic(1)  # type: ignore[untyped-decorator]
     def ask(self) -> None:
         with contextlib.suppress(KeyError):
             self.send(LIGHT, imcpy.QueryEntityState())
