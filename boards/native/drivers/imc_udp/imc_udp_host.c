@@ -1,16 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * --imc: UDP as IMC uses it. One socket on a fixed port for packets, and one on a free port of the
- * five that announcements go to. A third, on the same port, hears those that go to the group
- * 224.0.75.69, also where the others are bound to the loopback: on the interface of the address, or
- * on all. Own announcements come back and are ignored.
+ * --imc: UDP as IMC uses it, over the sockets of imc_udp_sockets.h. Own announcements come back and
+ * are ignored.
  */
 #include "imc_udp.h"
+#include "imc_udp_sockets.h"
 
 #include <arpa/inet.h>
 #include <errno.h>
-#include <ifaddrs.h>
-#include <net/if.h>
 #include <netinet/in.h>
 #include <stdio.h>
 #include <string.h>
@@ -27,16 +24,12 @@
 #include "host/options.h"
 #include "host/say.h"
 
-#define MULTICAST_GROUP 0xE0004B45u /* 224.0.75.69 */
-
 enum {
 	DISCOVERY_FIRST = 30100,
-	DISCOVERY_PORTS = 5,
 	DATAGRAM_MAX = 65536,
 	READ_BATCH = 32,      /* then the device has its turn, however many there are */
 	UNREAD_MAX = 1 << 20, /* bytes; the rest is dropped and counted, as UDP does */
 	STAGED_MAX = 16 << 20,
-	SOCKET_BUFFER = 1 << 20,
 	RETRY_MS = 1000,
 };
 
@@ -71,29 +64,11 @@ static struct {
 	struct kept {
 		struct counts counts;
 		uint64_t released; /* of counts.rx_datagrams */
-		int packets_fd;    /* 0: none */
-		int announcements_fd;
-		int group_fd; /* 0: none, without which there are only the other announcements */
-		struct imc_udp_address own;
-		uint16_t discovery_port;
+		struct imc_udp_sockets sockets;
 	} kept;
 } udp;
 
 static uint8_t datagram[DATAGRAM_MAX];
-
-static struct sockaddr_in to_sockaddr(uint32_t ipv4, uint16_t port)
-{
-	return (struct sockaddr_in){
-		.sin_family = AF_INET,
-		.sin_addr.s_addr = htonl(ipv4),
-		.sin_port = htons(port),
-	};
-}
-
-static bool is_loopback(uint32_t ipv4)
-{
-	return ipv4 >> 24 == IN_LOOPBACKNET;
-}
 
 /* --- the option ------------------------------------------------------------------------------ */
 
@@ -105,7 +80,8 @@ static int parse_discovery(const char *text, struct host_error *error)
 	if (strncmp(text, ",discovery=", 11) != 0) {
 		return host_error_set(error, "\"%.60s\": say udp:HOST:PORT[,discovery=PORT]", text);
 	}
-	if (parse_number(text + 11, 1, UINT16_MAX - DISCOVERY_PORTS, &number, &reason) != 0) {
+	if (parse_number(text + 11, 1, UINT16_MAX - IMC_UDP_DISCOVERY_PORTS, &number, &reason) !=
+	    0) {
 		return host_error_set(error, "discovery: %.200s", reason.text);
 	}
 	udp.discovery_first = (uint16_t)number;
@@ -183,7 +159,8 @@ static void take_in(const struct sockaddr_in *from, size_t length)
 	const size_t max = clock_is_lockstep() ? STAGED_MAX : UNREAD_MAX;
 	uint8_t *const room = buffer_reserve(to, sizeof(record) + length, max);
 
-	if (record.from.ipv4 == udp.kept.own.ipv4 && record.from.port == udp.kept.own.port) {
+	if (record.from.ipv4 == udp.kept.sockets.own.ipv4 &&
+	    record.from.port == udp.kept.sockets.own.port) {
 		return;
 	}
 	if (room == NULL) {
@@ -237,7 +214,7 @@ void imc_udp_open(void (*on_rx)(void *arg), void *arg)
 
 bool imc_udp_own(struct imc_udp_address *own)
 {
-	*own = udp.kept.own;
+	*own = udp.kept.sockets.own;
 	return udp.wanted;
 }
 
@@ -266,15 +243,15 @@ int imc_udp_receive(struct imc_udp_address *from, uint8_t *bytes, size_t room)
 
 int imc_udp_send(const struct imc_udp_address *to, const uint8_t *bytes, size_t length)
 {
-	const struct sockaddr_in address = to_sockaddr(to->ipv4, to->port);
+	const struct sockaddr_in address = imc_udp_sockaddr(to->ipv4, to->port);
 	ssize_t sent = -1;
 
-	if (udp.kept.packets_fd == 0) {
+	if (udp.kept.sockets.packets == 0) {
 		return -ENETDOWN;
 	}
 	/* The first may report the fate of an earlier datagram. */
 	for (int tries = 0; sent < 0 && tries < 2; tries++) {
-		sent = sendto(udp.kept.packets_fd, bytes, length, MSG_NOSIGNAL | MSG_DONTWAIT,
+		sent = sendto(udp.kept.sockets.packets, bytes, length, MSG_NOSIGNAL | MSG_DONTWAIT,
 		              (const struct sockaddr *)&address, sizeof(address));
 	}
 	if (sent < 0) {
@@ -291,9 +268,10 @@ static uint32_t announce_address(enum imc_udp_scope scope)
 	case IMC_UDP_HOST:
 		return INADDR_LOOPBACK;
 	case IMC_UDP_BROADCAST:
-		return is_loopback(udp.ipv4) ? INADDR_LOOPBACK | 0x00FFFFFFu : INADDR_BROADCAST;
+		return imc_udp_is_loopback(udp.ipv4) ? INADDR_LOOPBACK | 0x00FFFFFFu
+		                                     : INADDR_BROADCAST;
 	case IMC_UDP_MULTICAST:
-		return MULTICAST_GROUP;
+		return IMC_UDP_GROUP;
 	}
 	return INADDR_LOOPBACK;
 }
@@ -303,7 +281,7 @@ int imc_udp_announce(enum imc_udp_scope scope, const uint8_t *bytes, size_t leng
 	struct imc_udp_address to = {.ipv4 = announce_address(scope)};
 	int result = 0;
 
-	for (uint16_t i = 0; i < DISCOVERY_PORTS; i++) {
+	for (uint16_t i = 0; i < IMC_UDP_DISCOVERY_PORTS; i++) {
 		to.port = (uint16_t)(udp.discovery_first + i);
 		const int error = imc_udp_send(&to, bytes, length);
 
@@ -314,149 +292,6 @@ int imc_udp_announce(enum imc_udp_scope scope, const uint8_t *bytes, size_t leng
 
 /* --- sockets --------------------------------------------------------------------------------- */
 
-static int set(int fd, int level, int option, int value)
-{
-	return setsockopt(fd, level, option, &value, sizeof(value));
-}
-
-/* The bound socket, or -1. */
-static int open_socket(uint32_t ipv4, uint16_t port)
-{
-	const struct sockaddr_in own = to_sockaddr(ipv4, port);
-	const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-
-	if (fd < 0) {
-		return -1;
-	}
-	(void)set(fd, SOL_SOCKET, SO_RCVBUF, SOCKET_BUFFER);
-	if (bind(fd, (const struct sockaddr *)&own, sizeof(own)) != 0) {
-		const int error = errno;
-
-		close(fd);
-		errno = error;
-		return -1;
-	}
-	return fd;
-}
-
-/* What others are told when packets come in on all addresses: the first that is not loopback. */
-static uint32_t first_address(void)
-{
-	struct ifaddrs *all;
-	uint32_t found = INADDR_LOOPBACK;
-
-	if (getifaddrs(&all) != 0) {
-		return found;
-	}
-	for (const struct ifaddrs *at = all; at != NULL; at = at->ifa_next) {
-		if (at->ifa_addr != NULL && at->ifa_addr->sa_family == AF_INET &&
-		    (at->ifa_flags & IFF_UP) != 0 && (at->ifa_flags & IFF_LOOPBACK) == 0) {
-			struct sockaddr_in address;
-
-			memcpy(&address, at->ifa_addr, sizeof(address));
-			found = ntohl(address.sin_addr.s_addr);
-			break;
-		}
-	}
-	freeifaddrs(all);
-	return found;
-}
-
-static bool open_packets(void)
-{
-	const struct in_addr interface = {.s_addr = htonl(udp.ipv4)};
-	const int fd = open_socket(udp.ipv4, udp.port);
-	struct sockaddr_in own;
-	socklen_t size = sizeof(own);
-
-	if (fd < 0) {
-		return false;
-	}
-	udp.kept.packets_fd = fd;
-	(void)set(fd, SOL_SOCKET, SO_BROADCAST, 1);
-	(void)set(fd, IPPROTO_IP, IP_MULTICAST_TTL, 1);
-	if (udp.ipv4 != INADDR_ANY) {
-		(void)setsockopt(fd, IPPROTO_IP, IP_MULTICAST_IF, &interface, sizeof(interface));
-	}
-	if (getsockname(fd, (struct sockaddr *)&own, &size) != 0) {
-		return false;
-	}
-	udp.kept.own.ipv4 = udp.ipv4 != INADDR_ANY ? udp.ipv4 : first_address();
-	udp.kept.own.port = ntohs(own.sin_port);
-	return true;
-}
-
-/* The first free one of the five; on loopback nobody else's broadcasts are heard. */
-static bool open_announcements(void)
-{
-	const uint32_t ipv4 = is_loopback(udp.ipv4) ? udp.ipv4 : INADDR_ANY;
-	int fd = -1;
-
-	for (uint16_t i = 0; fd < 0 && i < DISCOVERY_PORTS; i++) {
-		udp.kept.discovery_port = (uint16_t)(udp.discovery_first + i);
-		fd = open_socket(ipv4, udp.kept.discovery_port);
-	}
-	if (fd < 0) {
-		return false;
-	}
-	(void)set(fd, IPPROTO_IP, IP_MULTICAST_ALL, 0); /* the group's socket hears those */
-	udp.kept.announcements_fd = fd;
-	return true;
-}
-
-static bool join(int fd, uint32_t ipv4)
-{
-	const struct ip_mreq group = {
-		.imr_multiaddr.s_addr = htonl(MULTICAST_GROUP),
-		.imr_interface.s_addr = htonl(ipv4),
-	};
-
-	return setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof(group)) == 0;
-}
-
-/* On the interfaces of all addresses of this host; an interface may have several. */
-static bool join_all(int fd)
-{
-	struct ifaddrs *all;
-	bool any = false;
-
-	if (getifaddrs(&all) != 0) {
-		return false;
-	}
-	for (const struct ifaddrs *at = all; at != NULL; at = at->ifa_next) {
-		if (at->ifa_addr != NULL && at->ifa_addr->sa_family == AF_INET &&
-		    (at->ifa_flags & IFF_UP) != 0) {
-			struct sockaddr_in address;
-
-			memcpy(&address, at->ifa_addr, sizeof(address));
-			any |= join(fd, ntohl(address.sin_addr.s_addr)) || errno == EADDRINUSE;
-		}
-	}
-	freeifaddrs(all);
-	return any;
-}
-
-/* Bound to the group, it hears nothing else, and shares the port with whoever else does so. */
-static void open_group(void)
-{
-	const struct sockaddr_in own = to_sockaddr(MULTICAST_GROUP, udp.kept.discovery_port);
-	const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-
-	if (fd < 0) {
-		return;
-	}
-	(void)set(fd, SOL_SOCKET, SO_REUSEADDR, 1);
-	if (bind(fd, (const struct sockaddr *)&own, sizeof(own)) != 0 ||
-	    !(udp.ipv4 == INADDR_ANY ? join_all(fd) : join(fd, udp.ipv4))) {
-		udp.kept.counts.errors++;
-		host_say("imc: group 224.0.75.69: %s; announcements there are not heard",
-		         strerror(errno));
-		close(fd);
-		return;
-	}
-	udp.kept.group_fd = fd;
-}
-
 static void listen_to(struct loop_source *source, int fd)
 {
 	source->fd = fd;
@@ -465,48 +300,36 @@ static void listen_to(struct loop_source *source, int fd)
 	loop_add(source, EPOLLIN);
 }
 
-static void close_sockets(void)
-{
-	if (udp.kept.packets_fd != 0) {
-		close(udp.kept.packets_fd);
-	}
-	if (udp.kept.announcements_fd != 0) {
-		close(udp.kept.announcements_fd);
-	}
-	if (udp.kept.group_fd != 0) {
-		close(udp.kept.group_fd);
-	}
-	udp.kept.packets_fd = 0;
-	udp.kept.announcements_fd = 0;
-	udp.kept.group_fd = 0;
-}
-
 static void describe(char *text, size_t size)
 {
-	const struct in_addr own = {.s_addr = htonl(udp.kept.own.ipv4)};
+	const struct in_addr own = {.s_addr = htonl(udp.kept.sockets.own.ipv4)};
 	char address[INET_ADDRSTRLEN];
 
 	inet_ntop(AF_INET, &own, address, sizeof(address));
-	snprintf(text, size, "udp:%s:%u", address, udp.kept.own.port);
+	snprintf(text, size, "udp:%s:%u", address, udp.kept.sockets.own.port);
 }
 
 static void try_open(struct loop_timer *timer)
 {
 	char text[64];
 
-	if (udp.kept.packets_fd == 0 && open_packets() && open_announcements()) {
-		open_group();
+	if (udp.kept.sockets.packets == 0 &&
+	    imc_udp_sockets_open(&udp.kept.sockets, udp.ipv4, udp.port, udp.discovery_first) &&
+	    udp.kept.sockets.group == 0) {
+		udp.kept.counts.errors++;
+		host_say("imc: group 224.0.75.69: %s; announcements there are not heard",
+		         strerror(errno));
 	}
-	if (udp.kept.announcements_fd != 0) {
-		listen_to(&udp.packets, udp.kept.packets_fd);
-		listen_to(&udp.announcements, udp.kept.announcements_fd);
-		if (udp.kept.group_fd != 0) {
-			listen_to(&udp.group, udp.kept.group_fd);
+	if (udp.kept.sockets.announcements != 0) {
+		listen_to(&udp.packets, udp.kept.sockets.packets);
+		listen_to(&udp.announcements, udp.kept.sockets.announcements);
+		if (udp.kept.sockets.group != 0) {
+			listen_to(&udp.group, udp.kept.sockets.group);
 		}
 		describe(text, sizeof(text));
 		if (!carry_is_reset()) {
 			host_say("imc is %s, announcements on port %u", text,
-			         udp.kept.discovery_port);
+			         udp.kept.sockets.discovery_port);
 		}
 		return;
 	}
@@ -515,7 +338,7 @@ static void try_open(struct loop_timer *timer)
 		udp.failing = true;
 		host_say("imc: open: %s; trying again", strerror(errno));
 	}
-	close_sockets();
+	imc_udp_sockets_close(&udp.kept.sockets);
 	loop_timer_start(timer, RETRY_MS);
 }
 
@@ -527,7 +350,7 @@ static enum control_result run_imc(struct control_call *call)
 
 	describe(text, sizeof(text));
 	control_put_string(call->reply, "address", udp.wanted ? text : "none");
-	control_put_integer(call->reply, "discovery_port", udp.kept.discovery_port);
+	control_put_integer(call->reply, "discovery_port", udp.kept.sockets.discovery_port);
 	control_put_integer(call->reply, "rx_datagrams", (int64_t)udp.kept.counts.rx_datagrams);
 	control_put_integer(call->reply, "tx_datagrams", (int64_t)udp.kept.counts.tx_datagrams);
 	control_put_integer(call->reply, "rx_drops", (int64_t)udp.kept.counts.rx_drops);
@@ -610,24 +433,24 @@ static int start(void)
 static void save(void)
 {
 	carry_put("imc/staged", buffer_bytes(&udp.staged), buffer_length(&udp.staged));
-	if (udp.kept.packets_fd != 0) {
-		carry_fd(udp.kept.packets_fd);
-		carry_fd(udp.kept.announcements_fd);
-		if (udp.kept.group_fd != 0) {
-			carry_fd(udp.kept.group_fd);
+	if (udp.kept.sockets.packets != 0) {
+		carry_fd(udp.kept.sockets.packets);
+		carry_fd(udp.kept.sockets.announcements);
+		if (udp.kept.sockets.group != 0) {
+			carry_fd(udp.kept.sockets.group);
 		}
 	}
 }
 
 static void stop(void)
 {
-	if (udp.kept.packets_fd != 0) {
+	if (udp.kept.sockets.packets != 0) {
 		loop_remove(&udp.packets);
 		loop_remove(&udp.announcements);
 		loop_remove(&udp.group);
 	}
 	loop_timer_stop(&udp.retry);
-	close_sockets();
+	imc_udp_sockets_close(&udp.kept.sockets);
 	buffer_free(&udp.staged);
 	buffer_free(&udp.rx);
 }
