@@ -181,7 +181,7 @@ void imc_endpoint_receive(struct imc_endpoint *self, int64_t now_us, const struc
 		return;
 	}
 	note_peer(self, now_us, route);
-	out->origin = imc_peers_answer_route(&self->node.peers, self->packet.header.src, route);
+	out->origin = *imc_peers_answer_route(&self->node.peers, self->packet.header.src, route);
 	if (self->packet.message.id == IMC_ANNOUNCE || self->packet.message.id == IMC_HEARTBEAT) {
 		note_time(self, now_us);
 		note_commander(self, now_us);

@@ -31,17 +31,17 @@ void imc_peers_heard(struct imc_peers *self, int64_t now_us, uint16_t id,
 	}
 }
 
-struct imc_route imc_peers_answer_route(const struct imc_peers *self, uint16_t id,
-                                        const struct imc_route *from)
+const struct imc_route *imc_peers_answer_route(const struct imc_peers *self, uint16_t id,
+                                               const struct imc_route *from)
 {
 	for (uint8_t i = 0; i < self->count; i++) {
 		const struct imc_peer *const peer = &self->peers[i];
 
 		if (peer->id == id && peer->route.link == from->link && peer->announced) {
-			return peer->route;
+			return &peer->route;
 		}
 	}
-	return *from;
+	return from;
 }
 
 void imc_peers_step(struct imc_peers *self, int64_t now_us)

@@ -33,8 +33,8 @@ void imc_peers_heard(struct imc_peers *self, int64_t now_us, uint16_t id,
 
 /* Where answers to a packet go that came from `from`: to the address that its sender has announced,
  * else there. */
-struct imc_route imc_peers_answer_route(const struct imc_peers *self, uint16_t id,
-                                        const struct imc_route *from);
+const struct imc_route *imc_peers_answer_route(const struct imc_peers *self, uint16_t id,
+                                               const struct imc_route *from);
 
 /* Drops those that have been silent for too long. */
 void imc_peers_step(struct imc_peers *self, int64_t now_us);
