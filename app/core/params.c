@@ -532,23 +532,3 @@ void params_gimbal(const struct params *self, struct gimbal_config *config)
 	};
 }
 #endif
-
-const char *params_result_name(enum params_result result)
-{
-	switch (result) {
-	case PARAMS_OK:
-		return "ok";
-	case PARAMS_UNKNOWN:
-		return "unknown";
-	case PARAMS_READ_ONLY:
-		return "read only";
-	case PARAMS_OUT_OF_RANGE:
-		return "out of range";
-	case PARAMS_CONFLICT:
-		return "conflicts with another parameter";
-	case PARAMS_FORBIDDEN:
-		return "not from here";
-	}
-	PHAROS_ASSERT(false);
-	return "";
-}

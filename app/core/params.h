@@ -167,7 +167,4 @@ enum security_right params_right(uint32_t index);
 void params_gimbal(const struct params *self, struct gimbal_config *config);
 #endif
 
-/* For people, constant and never NULL: "ok", "unknown", … */
-const char *params_result_name(enum params_result result);
-
 #endif

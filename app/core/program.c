@@ -3,8 +3,6 @@
 
 #include "core/assert.h"
 
-#include <string.h>
-
 /* Units of lit, dark, lit, … ; a last dark of 0 is what is left of the cycle. */
 static const uint8_t one_flash[] = {1, 0};
 static const uint8_t two_flashes[] = {1, 1, 1, 0};
@@ -130,15 +128,4 @@ const char *program_name(enum program_kind kind)
 {
 	PHAROS_ASSERT((uint32_t)kind < PROGRAM_KINDS);
 	return names[kind];
-}
-
-bool program_find(const char *name, enum program_kind *kind)
-{
-	for (uint32_t i = 0; i < PROGRAM_KINDS; i++) {
-		if (strcmp(names[i], name) == 0) {
-			*kind = (enum program_kind)i;
-			return true;
-		}
-	}
-	return false;
 }

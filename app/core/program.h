@@ -61,7 +61,4 @@ struct program_phase program_at(const struct program *self, int64_t elapsed_us);
 /* "none", "anti-collision", … ; constant and never NULL. */
 const char *program_name(enum program_kind kind);
 
-/* false: no program has that name. */
-bool program_find(const char *name, enum program_kind *kind);
-
 #endif

@@ -122,11 +122,3 @@ bool strobe_timer_was_lit(void)
 	irq_unlock(key);
 	return lit;
 }
-
-void strobe_timer_get(struct gate *copy)
-{
-	const unsigned int key = irq_lock();
-
-	*copy = gate;
-	irq_unlock(key);
-}

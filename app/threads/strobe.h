@@ -22,7 +22,4 @@ void strobe_timer_configure(const struct sync_config *sync);
 /* True when the lamp has given light at any time since the last call. Thermal thread only. */
 bool strobe_timer_was_lit(void);
 
-/* A copy of the counters and plan, consistent. Thread context. */
-void strobe_timer_get(struct gate *gate);
-
 #endif

@@ -34,13 +34,8 @@ def _sources(folder: Path) -> list[Path]:
     return sorted(path for path in folder.rglob("*") if path.suffix in (".c", ".h"))
 
 
-# Two files that are one module: each header has a part that is for the other file alone.
-PARTS = {"wire_peers": "wire"}
-
-
 def _module(path: Path) -> Path:
-    stem = path.stem.removesuffix("_internal")
-    return path.with_name(PARTS.get(stem, stem))
+    return path.with_name(path.stem.removesuffix("_internal"))
 
 
 def modules(folder: Path, bases: list[Path]) -> Graph:
