@@ -138,6 +138,7 @@ def test_absent_interface_says_so_in_one_line(url: str, hint: str) -> None:
 def test_addresses_in_brackets_are_ipv6() -> None:
     assert parse_address("[::1]:14550", "") == ("::1", 14550)
     assert parse_address("127.0.0.1:14550", "") == ("127.0.0.1", 14550)
+    assert parse_address("localhost:14550", "") == ("127.0.0.1", 14550)
 
 
 def test_tunnel_url_has_every_field() -> None:

@@ -22,7 +22,7 @@ static bool look_up(struct address *address, int flags)
 	if (getaddrinfo(address->host, address->port, &hints, &found) != 0) {
 		return false;
 	}
-	/* "localhost" is both: what drones and their tools listen on is IPv4. */
+	/* A name may be both: what drones and their tools listen on is IPv4. */
 	for (at = found; at->ai_next != NULL && at->ai_family != AF_INET;) {
 		at = at->ai_next;
 	}
@@ -60,11 +60,12 @@ int address_parse(struct address *address, const char *text, struct host_error *
 	*address = (struct address){.lookup_fd = 0};
 	memcpy(address->host, text, host);
 	snprintf(address->port, sizeof(address->port), "%u", (unsigned int)port);
-	/* The two names that are in every /etc/hosts need no child. */
-	if (!look_up(address, AI_NUMERICHOST | AI_NUMERICSERV) &&
-	    strcmp(address->host, "localhost") == 0) {
-		look_up(address, AI_NUMERICSERV);
+	/* RFC 6761: never asked of a resolver, which has no answer where there is no /etc/hosts. */
+	if (strcmp(address->host, "localhost") == 0) {
+		strcpy(address->host, "127.0.0.1");
 	}
+	/* A name is left to a child. */
+	(void)look_up(address, AI_NUMERICHOST | AI_NUMERICSERV);
 	return 0;
 }
 

@@ -433,7 +433,8 @@ def parse_address(text: str, url: str) -> tuple[str, int]:
         raise UrlError(f"'{text}' in '{url}' is no HOST:PORT; an IPv6 address goes in brackets")
     if not _is_host(host):
         raise UrlError(f"'{host}' in '{url}' is no host name or address")
-    return host, port
+    # RFC 6761: never asked of a resolver, which has no answer where there is no /etc/hosts.
+    return "127.0.0.1" if host == "localhost" else host, port
 
 
 def _parse_peer(text: str, url: str) -> tuple[str, int]:
