@@ -68,8 +68,11 @@ def test_a_file_that_is_no_settings_file_is_left_alone(tmp_path: Path) -> None:
 
 
 def test_settings_in_a_folder_that_is_not_there(tmp_path: Path) -> None:
-    # -2: ENOENT
-    assert "saved: -2" in pipe("save a 1\nexit\n", f"--settings={tmp_path}/no/file").stdout
+    """Nothing starts that could not keep what it accepts."""
+    done = pipe("save a 1\nexit\n", f"--settings={tmp_path}/no/file")
+    assert (done.returncode, done.stdout) == (1, "")
+    said = [line for line in done.stderr.splitlines() if "--settings" in line]
+    assert said == [f"pharos: --settings: {tmp_path}/no/file: No such file or directory"]
 
 
 def test_settings_option_wants_a_file(tmp_path: Path) -> None:

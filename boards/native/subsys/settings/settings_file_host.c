@@ -5,6 +5,8 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
+
+#include <sys/stat.h>
 #include <sys/types.h>
 
 #include "devices/bridge.h"
@@ -246,9 +248,16 @@ const struct settings_medium *settings_host_medium(void)
 
 static int parse_path(const char *value, struct host_error *error)
 {
+	struct stat status;
+
 	if (value[0] == '\0' || strlen(value) >= sizeof(path)) {
 		return host_error_set(error, "the path of a file, shorter than %zu bytes",
 		                      sizeof(path));
+	}
+	if (stat(value, &status) == 0 && !S_ISREG(status.st_mode)) {
+		return host_error_set(
+			error, "%s is not a regular file; give the path of one, or of one to make",
+			value);
 	}
 	memcpy(path, value, strlen(value) + 1);
 	return 0;
