@@ -5,6 +5,7 @@ nothing else in it, because type checkers take two modules of the same name for 
 from __future__ import annotations
 
 import contextlib
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,11 +15,13 @@ import pytest
 from can_node import NewNode, Node
 from echo_light import Light, Start
 
-DEFAULT_BINARY = Path(__file__).parents[2] / "build/native/tests/native/echo_app"
+ROOT = Path(__file__).parents[2]
+BUILD = Path(os.environ.get("PHAROS_BUILD", ROOT / "build" / "native")).resolve()
+DEFAULT_BINARY = BUILD / "tests" / "native" / "echo_app"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--binary", help="the echo_app executable; default: that of build/native")
+    parser.addoption("--binary", help="the echo_app executable; default: PHAROS_BUILD's")
 
 
 @pytest.fixture

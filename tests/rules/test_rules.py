@@ -375,7 +375,8 @@ def _core_objects() -> list[Path]:
 # What the compiler itself calls on a 32- or 64-bit machine, sanitizers' and coverage's included.
 # What a compiler adds of its own; clang makes bcmp of a memcmp that only asks for equality.
 COMPILER = re.compile(
-    r"^(bcmp$|__asan_|__ubsan_|__stack_chk_|__gcov|__sanitizer|_GLOBAL_OFFSET_TABLE_)"
+    r"^(bcmp$|__asan_|__(?:start|stop)_asan_|__ubsan_|__stack_chk_|__gcov|__sanitizer"
+    r"|_GLOBAL_OFFSET_TABLE_)"
 )
 
 
