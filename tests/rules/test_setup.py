@@ -70,3 +70,13 @@ def test_one_version_is_told_by_all() -> None:
     assert version("pharos") == told
     done = subprocess.run([BUILD / "pharos", "--version"], capture_output=True, text=True)
     assert done.stdout == f"pharos {told} (native)\n"
+
+
+def test_no_two_files_of_tests_share_a_name() -> None:
+    """pytest takes the second for the first and collects neither."""
+    files = subprocess.run(
+        ["git", "ls-files", "*/test_*.py"], cwd=ROOT, capture_output=True, text=True, check=True
+    ).stdout.split()
+    names = [Path(file).name for file in files]
+    assert len(names) > 1
+    assert sorted({name for name in names if names.count(name) > 1}) == []
