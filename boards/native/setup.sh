@@ -103,8 +103,10 @@ if [ -n "$missing" ]; then
 		cp -r /etc/apt/sources.list.d "$sources"
 		# shellcheck disable=SC1091 # sets VERSION_CODENAME
 		. /etc/os-release
-		security="http://deb.debian.org/debian-security $VERSION_CODENAME-security main"
-		echo "deb $security" >"$sources/security.list"
+		# It lies beside the archive that this machine uses.
+		# shellcheck disable=SC2016 # apt's own variable
+		archive=$(apt-get indextargets --format '$(SITE)' | grep -v security | head -n 1)
+		echo "deb $archive-security $VERSION_CODENAME-security main" >"$sources/security.list"
 		fetch_lists
 	fi
 	# shellcheck disable=SC2086 # a list of words

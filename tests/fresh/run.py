@@ -39,7 +39,6 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 SUITES = {"bookworm": "Debian 12", "trixie": "Debian 13"}
 CACHE = Path("/var/cache/pharos-fresh")
-MIRROR = "http://deb.debian.org/debian"
 PROCESSORS = 2
 INSIDE = "PHAROS_FRESH_INSIDE"
 PROXIES = ("http_proxy", "https_proxy", "ftp_proxy", "no_proxy")
@@ -319,6 +318,17 @@ def tell(report: Report) -> None:
     print(f"  missed: {'; '.join(report.missed) or 'nothing'}")
 
 
+def _own_mirror() -> str:
+    """The archive of Debian that this machine takes its packages from."""
+    sites = subprocess.run(
+        ["apt-get", "indextargets", "--format", "$(SITE)"],
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout.split()
+    return next((site for site in sites if "security" not in site), "")
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -326,7 +336,7 @@ def main() -> int:
     parser.add_argument("suites", nargs="*", help=f"of {', '.join(SUITES)}; default: all")
     parser.add_argument("--stages", default="", help="stages of ./make test; none: leave it out")
     parser.add_argument("--cache", type=Path, default=CACHE, help=f"default: {CACHE}")
-    parser.add_argument("--mirror", default=MIRROR, help=f"default: {MIRROR}")
+    parser.add_argument("--mirror", default=_own_mirror(), help="default: this machine's own")
     args = parser.parse_args()
     unknown = [suite for suite in args.suites if suite not in SUITES]
     if unknown:
