@@ -44,7 +44,7 @@ class World:
         self.seen = Seen(boots_us=[0])
         self.sim = Simulator(
             BUILD / "pharos",
-            {"uart0": "udpin:127.0.0.1:0", "console": "pty:{folder}/shell"},
+            {"uart0": "pty:{folder}/uart0", "console": "pty:{folder}/shell"},
             seed=plan.seed,
             dialect=load_dialect(find_dialect(BUILD)),
         )
