@@ -92,13 +92,14 @@ class Oracle:
     def check_light(self) -> None:
         before = 0
         for at_us, level in self.seen.edges:
-            rises, before = level > before, level
-            if not rises:
+            lights, before = level > 0 and before == 0, level
+            if not lights:
                 continue
-            boot_us = self._boot(at_us)
-            if not self._lamp_has_started(boot_us):
+            # at the instant of a reset it may have been before or after it
+            boots_us = {self._boot(at_us), self._boot(max(at_us - 1, 0))}
+            if not any(self._lamp_has_started(boot_us) for boot_us in boots_us):
                 self._say(at_us, "lit without watchdog or driver")
-            if not self._sampled(boot_us, at_us):
+            if not any(self._sampled(boot_us, at_us) for boot_us in boots_us):
                 self._say(at_us, "lit before the first sample in range")
             if self._on(at_us, "pwm", "error", "never") or self._on(at_us, "gpio", "error"):
                 self._say(at_us, "lit by a driver whose writes fail")
@@ -110,6 +111,8 @@ class Oracle:
         obeys = not any(
             self._met(at_us - 2 * SECOND_US, at_us, chip) for chip in ("pwm", "gpio", "adc")
         ) and not any(f.device.startswith("thread") for f in self.faults)
+        # a converter that has not answered in time is not asked again
+        obeys &= not self._met(self._boot(at_us), at_us, "adc", "never", "late")
         before_us = at_us - 3 * SAMPLE_US
         hot = self._on(before_us, "sensor", "short", "hot") and self._on(at_us, "sensor")
         opened = self._on(before_us, "sensor", "open") and self._on(at_us, "sensor", "open")
@@ -238,6 +241,8 @@ class Oracle:
         for at_us, state in self.seen.states:
             boot_us = self._boot(at_us)
             settled = at_us > boot_us + 2 * SECOND_US
+            # one that waited in a silent UART is old news
+            settled &= not self._met(boot_us, at_us, "uart0")
             dark = [self._dark_for_sure(boot_us, at_us - ago) for ago in (0, SECOND_US)]
             if settled and state == 4 and all(dark):
                 self._say(at_us, "heartbeat active while the lamp cannot be lit")
