@@ -91,9 +91,10 @@ class Oracle:
     # --- never lit unsupervised -----------------------------------------------------------------
     def check_light(self) -> None:
         before = 0
+        lasting = dict(self.seen.edges)
         for at_us, level in self.seen.edges:
-            lights, before = level > 0 and before == 0, level
-            if not lights:
+            rises, before = level > before, level
+            if not rises:
                 continue
             # at the instant of a reset it may have been before or after it
             boots_us = {self._boot(at_us), self._boot(max(at_us - 1, 0))}
@@ -101,7 +102,9 @@ class Oracle:
                 self._say(at_us, "lit without watchdog or driver")
             if not any(self._sampled(boot_us, at_us) for boot_us in boots_us):
                 self._say(at_us, "lit before the first sample in range")
-            if self._on(at_us, "pwm", "error", "never") or self._on(at_us, "gpio", "error"):
+            # a pulse that was written is taken back at once where the enable line then fails
+            fails = self._on(at_us, "pwm", "error", "never") or self._on(at_us, "gpio", "error")
+            if fails and lasting[at_us] > 0:
                 self._say(at_us, "lit by a driver whose writes fail")
         for at_us, level in self.seen.levels:
             self._check_level(at_us, level)
