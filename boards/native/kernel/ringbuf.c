@@ -4,19 +4,9 @@
 
 #include <zephyr/sys/ring_buffer.h>
 
-void ring_buf_reset(struct ring_buf *buf)
-{
-	buf->put_claimed = 0;
-	buf->put_done = 0;
-	buf->get_claimed = 0;
-	buf->get_done = 0;
-}
-
 void ring_buf_init(struct ring_buf *buf, uint32_t size, uint8_t *data)
 {
-	buf->buffer = data;
-	buf->size = size;
-	ring_buf_reset(buf);
+	*buf = (struct ring_buf)RING_BUF_INIT(data, size);
 }
 
 bool ring_buf_is_empty(struct ring_buf *buf)
@@ -27,11 +17,6 @@ bool ring_buf_is_empty(struct ring_buf *buf)
 uint32_t ring_buf_space_get(struct ring_buf *buf)
 {
 	return (uint32_t)(buf->size - (buf->put_claimed - buf->get_done));
-}
-
-uint32_t ring_buf_capacity_get(struct ring_buf *buf)
-{
-	return buf->size;
 }
 
 uint32_t ring_buf_size_get(struct ring_buf *buf)
@@ -101,7 +86,7 @@ int ring_buf_get_finish(struct ring_buf *buf, uint32_t size)
 	return 0;
 }
 
-static uint32_t copy_out(struct ring_buf *buf, uint8_t *data, uint32_t size)
+uint32_t ring_buf_get(struct ring_buf *buf, uint8_t *data, uint32_t size)
 {
 	uint32_t done = 0;
 	uint32_t claimed;
@@ -115,21 +100,6 @@ static uint32_t copy_out(struct ring_buf *buf, uint8_t *data, uint32_t size)
 		}
 		done += claimed;
 	} while (claimed > 0 && done < size);
-	return done;
-}
-
-uint32_t ring_buf_get(struct ring_buf *buf, uint8_t *data, uint32_t size)
-{
-	const uint32_t done = copy_out(buf, data, size);
-
 	(void)ring_buf_get_finish(buf, done);
-	return done;
-}
-
-uint32_t ring_buf_peek(struct ring_buf *buf, uint8_t *data, uint32_t size)
-{
-	const uint32_t done = copy_out(buf, data, size);
-
-	(void)ring_buf_get_finish(buf, 0);
 	return done;
 }

@@ -280,28 +280,7 @@ void k_sched_unlock(void)
 	sched_reschedule();
 }
 
-int k_is_preempt_thread(void)
-{
-	return native_cpu.isr_depth == 0 && sched_current->base.prio >= 0 &&
-	       sched_current->base.sched_locked == 0;
-}
-
-bool k_is_pre_kernel(void)
-{
-	return !started;
-}
-
-bool k_can_yield(void)
-{
-	return started && native_cpu.isr_depth == 0 && sched_current->base.prio < K_IDLE_PRIO;
-}
-
 k_tid_t k_current_get(void)
-{
-	return sched_current;
-}
-
-k_tid_t k_sched_current_thread_query(void)
 {
 	return sched_current;
 }

@@ -70,7 +70,5 @@ void irq_exit(void); /* runs what waits, then reschedules */
 
 /* mem.c */
 void mem_init(void);
-/* poll.c */
-void poll_notify(sys_dlist_t *events, uint32_t state);
 
 #endif

@@ -9,7 +9,6 @@ int k_sem_init(struct k_sem *sem, unsigned int initial_count, unsigned int limit
 	sem->count = initial_count;
 	sem->limit = limit;
 	wait_q_init(&sem->wait_q);
-	sys_dlist_init(&sem->poll_events);
 	return 0;
 }
 
@@ -29,7 +28,6 @@ void k_sem_give(struct k_sem *sem)
 {
 	if (!sched_wake_first(&sem->wait_q, 0, NULL)) {
 		sem->count += sem->count < sem->limit ? 1 : 0;
-		poll_notify(&sem->poll_events, K_POLL_STATE_SEM_AVAILABLE);
 	}
 	sched_reschedule();
 }
@@ -38,6 +36,5 @@ void k_sem_reset(struct k_sem *sem)
 {
 	(void)sched_wake_all(&sem->wait_q, -EAGAIN);
 	sem->count = 0;
-	poll_notify(&sem->poll_events, K_POLL_STATE_SEM_AVAILABLE);
 	sched_reschedule();
 }

@@ -60,7 +60,6 @@ k_tid_t k_thread_create(struct k_thread *new_thread, k_thread_stack_t *stack, si
 	                 .thread_state = THREAD_PRESTART},
 		.entry = entry,
 		.params = {p1, p2, p3},
-		.resource_pool = sched_current != NULL ? sched_current->resource_pool : NULL,
 		.older = newest,
 	};
 	wait_q_init(&new_thread->join_queue);
@@ -214,15 +213,6 @@ const char *k_thread_name_get(k_tid_t thread)
 	return thread->name;
 }
 
-int k_thread_name_copy(k_tid_t thread, char *buf, size_t size)
-{
-	if (strlen(thread->name) >= size) {
-		return -ENOSPC;
-	}
-	strcpy(buf, thread->name);
-	return 0;
-}
-
 const char *k_thread_state_str(k_tid_t thread, char *buf, size_t buf_size)
 {
 	static const struct {
@@ -265,41 +255,11 @@ __attribute__((no_sanitize("address"))) int k_thread_stack_space_get(const struc
 	return 0;
 }
 
-void k_thread_custom_data_set(void *value)
-{
-	sched_current->custom_data = value;
-}
-
-void *k_thread_custom_data_get(void)
-{
-	return sched_current->custom_data;
-}
-
-void k_thread_heap_assign(struct k_thread *thread, struct k_heap *heap)
-{
-	thread->resource_pool = heap;
-}
-
 void k_thread_foreach(k_thread_user_cb_t user_cb, void *user_data)
 {
 	for (const struct k_thread *thread = newest; thread != NULL; thread = thread->older) {
 		user_cb(thread, user_data);
 	}
-}
-
-void k_thread_foreach_unlocked(k_thread_user_cb_t user_cb, void *user_data)
-{
-	k_thread_foreach(user_cb, user_data);
-}
-
-k_ticks_t k_thread_timeout_expires_ticks(const struct k_thread *thread)
-{
-	return timeout_expires(&thread->base.timeout);
-}
-
-k_ticks_t k_thread_timeout_remaining_ticks(const struct k_thread *thread)
-{
-	return timeout_remaining(&thread->base.timeout);
 }
 
 /* Returns the ticks that were left. */

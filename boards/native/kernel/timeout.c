@@ -108,43 +108,6 @@ int64_t sys_clock_tick_get(void)
 	return (int64_t)now_tick();
 }
 
-uint32_t sys_clock_tick_get_32(void)
-{
-	return (uint32_t)now_tick();
-}
-
-uint64_t sys_clock_timeout_end_calc(k_timeout_t timeout)
-{
-	if (K_TIMEOUT_EQ(timeout, K_FOREVER)) {
-		return UINT64_MAX;
-	}
-	if (K_TIMEOUT_EQ(timeout, K_NO_WAIT)) {
-		return now_tick();
-	}
-	if (timeout.ticks < K_TICKS_FOREVER) {
-		return (uint64_t)Z_TICK_ABS(timeout.ticks);
-	}
-	return now_tick() + MAX(1U, (uint64_t)timeout.ticks);
-}
-
-k_timepoint_t sys_timepoint_calc(k_timeout_t timeout)
-{
-	const uint64_t end =
-		K_TIMEOUT_EQ(timeout, K_NO_WAIT) ? 0 : sys_clock_timeout_end_calc(timeout);
-
-	return (k_timepoint_t){.tick = end};
-}
-
-k_timeout_t sys_timepoint_timeout(k_timepoint_t timepoint)
-{
-	const uint64_t now = now_tick();
-
-	if (timepoint.tick == UINT64_MAX) {
-		return K_FOREVER;
-	}
-	return K_TICKS(timepoint.tick > now ? (k_ticks_t)(timepoint.tick - now) : 0);
-}
-
 uint64_t k_cycle_get_64(void)
 {
 	return port_cycles();

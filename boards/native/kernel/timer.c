@@ -5,7 +5,6 @@
 void k_timer_init(struct k_timer *timer, k_timer_expiry_t expiry_fn, k_timer_stop_t stop_fn)
 {
 	*timer = (struct k_timer){.expiry_fn = expiry_fn, .stop_fn = stop_fn};
-	wait_q_init(&timer->wait_q);
 }
 
 /* The next expiry counts from the tick of this one, however late it runs: a period does not drift.
@@ -20,11 +19,9 @@ static void timer_expired(struct _timeout *timeout)
 
 		timeout_add(timeout, timer_expired, K_TIMEOUT_ABS_TICKS(next));
 	}
-	timer->status++;
 	if (timer->expiry_fn != NULL) {
 		timer->expiry_fn(timer);
 	}
-	(void)sched_wake_first(&timer->wait_q, 0, NULL);
 }
 
 /* A relative duration is one tick shorter than a timeout is elsewhere: upstream's timers count so.
@@ -39,7 +36,6 @@ void k_timer_start(struct k_timer *timer, k_timeout_t duration, k_timeout_t peri
 	}
 	(void)timeout_abort(&timer->timeout);
 	timer->period = period;
-	timer->status = 0;
 	timeout_add(&timer->timeout, timer_expired, duration);
 }
 
@@ -51,25 +47,6 @@ void k_timer_stop(struct k_timer *timer)
 	if (timer->stop_fn != NULL) {
 		timer->stop_fn(timer);
 	}
-	if (sched_wake_first(&timer->wait_q, 0, NULL)) {
-		sched_reschedule();
-	}
-}
-
-uint32_t k_timer_status_get(struct k_timer *timer)
-{
-	const uint32_t status = timer->status;
-
-	timer->status = 0;
-	return status;
-}
-
-uint32_t k_timer_status_sync(struct k_timer *timer)
-{
-	if (timer->status == 0 && timeout_active(&timer->timeout)) {
-		(void)sched_pend(&timer->wait_q, K_FOREVER);
-	}
-	return k_timer_status_get(timer);
 }
 
 k_ticks_t k_timer_expires_ticks(const struct k_timer *timer)

@@ -17,28 +17,6 @@ int char2hex(char c, uint8_t *x)
 	return 0;
 }
 
-int hex2char(uint8_t x, char *c)
-{
-	if (x > 15) {
-		return -EINVAL;
-	}
-	*c = "0123456789abcdef"[x];
-	return 0;
-}
-
-size_t bin2hex(const uint8_t *buf, size_t buflen, char *hex, size_t hexlen)
-{
-	if (hexlen < buflen * 2 + 1) {
-		return 0;
-	}
-	for (size_t i = 0; i < buflen; i++) {
-		(void)hex2char(buf[i] >> 4, &hex[2 * i]);
-		(void)hex2char(buf[i] & 0xf, &hex[2 * i + 1]);
-	}
-	hex[2 * buflen] = '\0';
-	return 2 * buflen;
-}
-
 /* An odd number of digits: the first byte has one digit only. */
 size_t hex2bin(const char *hex, size_t hexlen, uint8_t *buf, size_t buflen)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Slabs and heaps. */
+/* Slabs. */
 #include "helper.h"
 
 #if __has_include(<version.h>)
@@ -16,7 +16,6 @@
 #endif
 
 K_MEM_SLAB_DEFINE(static_slab, 24, 3, 8);
-K_HEAP_DEFINE(static_heap, 1024);
 
 static struct k_timer timer;
 static void *timer_block;
@@ -56,28 +55,6 @@ ZTEST(kernel_mem, test_slab_alignment)
 	zassert_equal(k_mem_slab_init(&slab, buffer + 1, 16, 2), -EINVAL);
 	zassert_equal(k_mem_slab_init(&slab, buffer, 15, 2), -EINVAL);
 	zassert_equal(k_mem_slab_init(&slab, buffer, 16, 2), 0);
-}
-
-ZTEST(kernel_mem, test_heap_joins_free_neighbours)
-{
-	void *a = k_heap_alloc(&static_heap, 250, K_NO_WAIT);
-	void *b = k_heap_alloc(&static_heap, 250, K_NO_WAIT);
-	void *c = k_heap_alloc(&static_heap, 250, K_NO_WAIT);
-
-	zassert_not_null(a);
-	zassert_not_null(b);
-	zassert_not_null(c);
-	memset(b, 0xff, 250);
-	zassert_is_null(k_heap_alloc(&static_heap, 500, K_NO_WAIT));
-	k_heap_free(&static_heap, a);
-	k_heap_free(&static_heap, c);
-	k_heap_free(&static_heap, b);
-	a = k_heap_alloc(&static_heap, 800, K_NO_WAIT);
-	zassert_not_null(a);
-	k_heap_free(&static_heap, a);
-	a = k_heap_aligned_alloc(&static_heap, 64, 100, K_NO_WAIT);
-	zassert_equal((uintptr_t)a % 64, 0);
-	k_heap_free(&static_heap, a);
 }
 
 ZTEST_SUITE(kernel_mem, NULL, NULL, NULL, NULL, NULL);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Semaphores, mutexes, condition variables, events. */
+/* Semaphores and mutexes. */
 #include "helper.h"
 
 static K_THREAD_STACK_DEFINE(stack_a, HELPER_STACK_SIZE);
@@ -8,8 +8,6 @@ static struct k_thread thread_a, thread_b;
 
 static struct k_sem sem;
 static struct k_mutex mutex;
-static struct k_condvar condvar;
-static struct k_event event;
 static volatile int result_a;
 
 static void start(struct k_thread *thread, k_thread_stack_t *stack, k_thread_entry_t entry,
@@ -23,8 +21,6 @@ static void begin(void *fixture)
 {
 	helper_begin();
 	k_mutex_init(&mutex);
-	k_condvar_init(&condvar);
-	k_event_init(&event);
 }
 
 static void end_threads(void *fixture)
@@ -136,65 +132,6 @@ ZTEST(kernel_sync, test_mutex_inheritance_ends_with_the_waiters_timeout)
 	zassert_equal(result_a, -EAGAIN);
 	zassert_equal(k_thread_priority_get(k_current_get()), PRIO_TEST);
 	zassert_ok(k_mutex_unlock(&mutex));
-}
-
-static void wait_condition(void *p1, void *p2, void *p3)
-{
-	zassert_ok(k_mutex_lock(&mutex, K_FOREVER));
-	zassert_ok(k_condvar_wait(&condvar, &mutex, K_FOREVER));
-	helper_note((char)(uintptr_t)p1);
-	zassert_ok(k_mutex_unlock(&mutex));
-}
-
-ZTEST(kernel_sync, test_condvar_signal_and_broadcast)
-{
-	start(&thread_a, stack_a, wait_condition, 'a', PRIO_HIGH);
-	start(&thread_b, stack_b, wait_condition, 'b', PRIO_HIGH);
-	zassert_ok(k_mutex_lock(&mutex, K_NO_WAIT), "waiting released the mutex");
-	zassert_ok(k_condvar_signal(&condvar));
-	helper_expect("");
-	zassert_ok(k_mutex_unlock(&mutex));
-	helper_expect("a");
-	zassert_equal(k_condvar_broadcast(&condvar), 1);
-	helper_expect("ab");
-	zassert_equal(k_condvar_broadcast(&condvar), 0);
-}
-
-ZTEST(kernel_sync, test_condvar_timeout_locks_again)
-{
-	zassert_ok(k_mutex_lock(&mutex, K_FOREVER));
-	zassert_equal(k_condvar_wait(&condvar, &mutex, K_TICKS(3)), -EAGAIN);
-	zassert_ok(k_mutex_unlock(&mutex));
-}
-
-static void wait_any(void *p1, void *p2, void *p3)
-{
-	result_a = (int)k_event_wait(&event, 0x06, false, K_FOREVER);
-	helper_note('a');
-}
-
-static void wait_all(void *p1, void *p2, void *p3)
-{
-	zassert_equal(k_event_wait_all(&event, 0x06, false, K_FOREVER), 0x06);
-	helper_note('b');
-}
-
-ZTEST(kernel_sync, test_event_any_and_all)
-{
-	start(&thread_a, stack_a, wait_any, 0, PRIO_HIGH);
-	start(&thread_b, stack_b, wait_all, 0, PRIO_HIGH);
-	k_event_post(&event, 0x01);
-	helper_expect("");
-	k_event_post(&event, 0x02);
-	helper_expect("a");
-	zassert_equal(result_a, 0x02);
-	k_event_post(&event, 0x04);
-	helper_expect("ab");
-	k_event_clear(&event, 0x03);
-	zassert_equal(k_event_wait(&event, 0xff, false, K_NO_WAIT), 0x04);
-	k_event_set(&event, 0x10);
-	zassert_equal(k_event_wait(&event, 0xff, false, K_NO_WAIT), 0x10);
-	zassert_equal(k_event_wait(&event, 0xff, true, K_TICKS(2)), 0);
 }
 
 ZTEST_SUITE(kernel_sync, NULL, NULL, begin, end_threads, NULL);

@@ -191,18 +191,11 @@ ZTEST(kernel_thread, test_wakeup_returns_the_rest)
 	zassert_within(k_msleep(100), 80, 1);
 }
 
-ZTEST(kernel_thread, test_name_and_custom_data)
+ZTEST(kernel_thread, test_name)
 {
-	char name[32];
-
 	helper_begin();
 	zassert_ok(k_thread_name_set(k_current_get(), "probe"));
 	zassert_equal(strcmp(k_thread_name_get(k_current_get()), "probe"), 0);
-	zassert_ok(k_thread_name_copy(k_current_get(), name, sizeof(name)));
-	zassert_equal(strcmp(name, "probe"), 0);
-	k_thread_custom_data_set(&name);
-	k_yield();
-	zassert_equal_ptr(k_thread_custom_data_get(), &name);
 }
 
 static struct k_sem sem;
@@ -210,7 +203,6 @@ static struct k_sem sem;
 static void isr_give(const void *arg)
 {
 	zassert_true(k_is_in_isr());
-	zassert_false(k_can_yield());
 	k_sem_give(&sem);
 	helper_note('i');
 }
@@ -227,7 +219,6 @@ ZTEST(kernel_thread, test_isr_preempts_at_its_end)
 	k_sem_init(&sem, 0, 1);
 	start_a(take_and_note, 'a', PRIO_HIGH, K_NO_WAIT);
 	zassert_false(k_is_in_isr());
-	zassert_true(k_can_yield());
 	irq_offload(isr_give, NULL);
 	helper_note('t');
 	helper_expect("iat");

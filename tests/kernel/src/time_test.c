@@ -80,18 +80,6 @@ ZTEST(kernel_time, test_sleep_of_ten_years)
 }
 #endif
 
-ZTEST(kernel_time, test_timer_status)
-{
-	k_timer_start(&timer, K_TICKS(10), K_TICKS(10));
-	zassert_equal(k_timer_status_get(&timer), 0);
-	zassert_equal(k_timer_status_sync(&timer), 1);
-	k_sleep(K_TICKS(34));
-	zassert_equal(k_timer_status_get(&timer), 3);
-	zassert_equal(k_timer_status_get(&timer), 0);
-	k_timer_stop(&timer);
-	zassert_equal(k_timer_status_sync(&timer), 0, "a stopped timer is not waited for");
-}
-
 ZTEST(kernel_time, test_restart_replaces)
 {
 	k_timer_start(&timer, K_TICKS(10), K_NO_WAIT);

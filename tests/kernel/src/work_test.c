@@ -6,7 +6,6 @@ static K_THREAD_STACK_DEFINE(queue_stack, HELPER_STACK_SIZE);
 static struct k_work_q queue; /* less urgent than the test */
 static struct k_work work, other;
 static struct k_work_delayable delayed;
-static struct k_work_sync sync;
 
 static void note_w(struct k_work *item)
 {
@@ -58,25 +57,9 @@ ZTEST(kernel_work, test_running_item_is_queued_again)
 	k_sleep(K_TICKS(5));
 	zassert_equal(k_work_busy_get(&work), K_WORK_RUNNING);
 	zassert_equal(k_work_submit_to_queue(&queue, &work), 2);
-	zassert_true(k_work_flush(&work, &sync));
+	k_sleep(K_TICKS(50));
 	helper_expect("<><>");
-	zassert_false(k_work_flush(&work, &sync));
-}
-
-ZTEST(kernel_work, test_cancel)
-{
-	k_work_submit_to_queue(&queue, &work);
-	zassert_equal(k_work_cancel(&work), 0);
-	k_sleep(K_TICKS(5));
-	helper_expect("");
-	k_work_init(&work, slow);
-	k_work_submit_to_queue(&queue, &work);
-	k_sleep(K_TICKS(5));
-	zassert_equal(k_work_cancel(&work), K_WORK_RUNNING | K_WORK_CANCELING);
-	zassert_equal(k_work_submit_to_queue(&queue, &work), -EBUSY);
-	zassert_true(k_work_cancel_sync(&work, &sync));
-	helper_expect("<>");
-	zassert_false(k_work_cancel_sync(&work, &sync));
+	zassert_equal(k_work_busy_get(&work), 0);
 }
 
 ZTEST(kernel_work, test_delay_schedule_and_reschedule)
@@ -92,31 +75,6 @@ ZTEST(kernel_work, test_delay_schedule_and_reschedule)
 	k_sleep(K_TICKS(15));
 	helper_expect("w");
 	zassert_false(k_work_delayable_is_pending(&delayed));
-}
-
-ZTEST(kernel_work, test_delayed_flush_and_cancel)
-{
-	k_work_schedule_for_queue(&queue, &delayed, K_SECONDS(10));
-	zassert_true(k_work_flush_delayable(&delayed, &sync));
-	helper_expect("w");
-	k_work_schedule_for_queue(&queue, &delayed, K_TICKS(5));
-	zassert_equal(k_work_cancel_delayable(&delayed), 0);
-	k_sleep(K_TICKS(20));
-	helper_expect("w");
-	zassert_false(k_work_cancel_delayable_sync(&delayed, &sync));
-}
-
-ZTEST(kernel_work, test_drain_and_plug)
-{
-	k_work_submit_to_queue(&queue, &work);
-	zassert_true(k_work_queue_drain(&queue, true) >= 0);
-	helper_expect("w");
-	zassert_equal(k_work_submit_to_queue(&queue, &work), -EBUSY);
-	zassert_equal(k_work_queue_unplug(&queue), 0);
-	zassert_equal(k_work_queue_unplug(&queue), -EALREADY);
-	zassert_equal(k_work_submit_to_queue(&queue, &work), 1);
-	k_sleep(K_TICKS(5));
-	helper_expect("ww");
 }
 
 ZTEST(kernel_work, test_without_a_queue)

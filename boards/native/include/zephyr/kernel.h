@@ -18,8 +18,8 @@
 #include <zephyr/init.h>
 #include <zephyr/irq.h>
 #include <zephyr/kernel/mem.h>
+#include <zephyr/kernel/msgq.h>
 #include <zephyr/kernel/poll.h>
-#include <zephyr/kernel/queue.h>
 #include <zephyr/kernel/sync.h>
 #include <zephyr/kernel/thread.h>
 #include <zephyr/kernel/timer.h>

@@ -64,27 +64,6 @@ struct _timeout {
 	uint64_t tick; /* when it ends */
 };
 
-/* The tick at which a relative timeout begun now would end; UINT64_MAX for K_FOREVER. */
-uint64_t sys_clock_timeout_end_calc(k_timeout_t timeout);
 int64_t sys_clock_tick_get(void);
-uint32_t sys_clock_tick_get_32(void);
-
-/* A point in time that a series of waits shares. */
-typedef struct {
-	uint64_t tick;
-} k_timepoint_t;
-
-k_timepoint_t sys_timepoint_calc(k_timeout_t timeout);
-k_timeout_t sys_timepoint_timeout(k_timepoint_t timepoint);
-
-static inline bool sys_timepoint_expired(k_timepoint_t timepoint)
-{
-	return K_TIMEOUT_EQ(sys_timepoint_timeout(timepoint), K_NO_WAIT);
-}
-
-static inline int sys_timepoint_cmp(k_timepoint_t a, k_timepoint_t b)
-{
-	return a.tick == b.tick ? 0 : a.tick < b.tick ? -1 : 1;
-}
 
 #endif

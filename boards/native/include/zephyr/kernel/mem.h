@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Memory: slabs of equal blocks, heaps over a given buffer, and the system heap behind k_malloc().
- */
+/* Memory: slabs of equal blocks. */
 #ifndef ZEPHYR_KERNEL_MEM_H_
 #define ZEPHYR_KERNEL_MEM_H_
 
@@ -53,41 +52,5 @@ static inline uint32_t k_mem_slab_num_free_get(struct k_mem_slab *slab)
 {
 	return slab->num_blocks - slab->num_used;
 }
-
-/* First fit in address order; neighbours are joined when freed. */
-struct native_heap_block;
-
-struct k_heap {
-	struct native_heap_block *first;
-	void *init_mem;
-	size_t init_bytes;
-	_wait_q_t wait_q;
-};
-
-#define Z_HEAP_MIN_SIZE 64
-#define K_HEAP_DEFINE(name, bytes)                                                                 \
-	static char __aligned(16) kheap_##name[ROUND_UP(MAX(bytes, Z_HEAP_MIN_SIZE), 16)];         \
-	STRUCT_SECTION_ITERABLE(k_heap, name) = {                                                  \
-		.init_mem = kheap_##name,                                                          \
-		.init_bytes = sizeof(kheap_##name),                                                \
-		.wait_q = Z_WAIT_Q_INIT(&(name).wait_q),                                           \
-	}
-
-void k_heap_init(struct k_heap *heap, void *mem, size_t bytes);
-/* NULL: no room before the timeout, or bytes is 0. align: a power of two. */
-void *k_heap_alloc(struct k_heap *heap, size_t bytes, k_timeout_t timeout);
-void *k_heap_aligned_alloc(struct k_heap *heap, size_t align, size_t bytes, k_timeout_t timeout);
-void k_heap_free(struct k_heap *heap, void *mem);
-
-#if CONFIG_HEAP_MEM_POOL_SIZE > 0
-extern struct k_heap _system_heap;
-void *k_malloc(size_t size);
-void *k_calloc(size_t nmemb, size_t size);
-void *k_aligned_alloc(size_t align, size_t size);
-#endif
-/* For blocks of k_malloc() and of allocations from the threads' heaps. NULL: no effect. */
-void k_free(void *ptr);
-/* From the heap assigned to the current thread; in interrupts from the system heap. */
-void *z_thread_malloc(size_t size);
 
 #endif

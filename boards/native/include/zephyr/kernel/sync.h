@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Semaphores, mutexes, condition variables, events.
+ * Semaphores and mutexes.
  *
  * Waiting functions: threads only, unless the timeout is K_NO_WAIT; waiters are served by priority,
  * then first come.
@@ -14,14 +14,13 @@ struct k_sem {
 	_wait_q_t wait_q;
 	unsigned int count;
 	unsigned int limit;
-	sys_dlist_t poll_events;
 };
 
 #define K_SEM_MAX_LIMIT UINT_MAX
 #define Z_SEM_INITIALIZER(obj, initial_count, count_limit)                                         \
 	{                                                                                          \
 		.wait_q = Z_WAIT_Q_INIT(&(obj).wait_q), .count = (initial_count),                  \
-		.limit = (count_limit), .poll_events = SYS_DLIST_STATIC_INIT(&(obj).poll_events)   \
+		.limit = (count_limit)                                                             \
 	}
 #define K_SEM_DEFINE(name, initial_count, count_limit)                                             \
 	struct k_sem name = Z_SEM_INITIALIZER(name, initial_count, count_limit);                   \
@@ -60,49 +59,5 @@ int k_mutex_init(struct k_mutex *mutex);
 int k_mutex_lock(struct k_mutex *mutex, k_timeout_t timeout);
 /* 0; -EPERM: owned by another; -EINVAL: not locked. */
 int k_mutex_unlock(struct k_mutex *mutex);
-
-struct k_condvar {
-	_wait_q_t wait_q;
-};
-
-#define Z_CONDVAR_INITIALIZER(obj)                                                                 \
-	{                                                                                          \
-		.wait_q = Z_WAIT_Q_INIT(&(obj).wait_q)                                             \
-	}
-#define K_CONDVAR_DEFINE(name) struct k_condvar name = Z_CONDVAR_INITIALIZER(name)
-
-int k_condvar_init(struct k_condvar *condvar);
-/* 0, or -EAGAIN after the timeout; the mutex is locked again in both cases. */
-int k_condvar_wait(struct k_condvar *condvar, struct k_mutex *mutex, k_timeout_t timeout);
-int k_condvar_signal(struct k_condvar *condvar);
-/* Returns how many threads were woken. */
-int k_condvar_broadcast(struct k_condvar *condvar);
-
-struct k_event {
-	_wait_q_t wait_q;
-	uint32_t events;
-};
-
-#define Z_EVENT_INITIALIZER(obj)                                                                   \
-	{                                                                                          \
-		.wait_q = Z_WAIT_Q_INIT(&(obj).wait_q), .events = 0                                \
-	}
-#define K_EVENT_DEFINE(name) struct k_event name = Z_EVENT_INITIALIZER(name)
-
-void k_event_init(struct k_event *event);
-/* Each returns the previous value of the bits that it addresses. Any context. */
-uint32_t k_event_post(struct k_event *event, uint32_t events);
-uint32_t k_event_set(struct k_event *event, uint32_t events);
-uint32_t k_event_set_masked(struct k_event *event, uint32_t events, uint32_t events_mask);
-uint32_t k_event_clear(struct k_event *event, uint32_t events);
-/* Any of, or all of, events; returns the matching ones, 0 after the timeout. reset: clears all
- * events first. */
-uint32_t k_event_wait(struct k_event *event, uint32_t events, bool reset, k_timeout_t timeout);
-uint32_t k_event_wait_all(struct k_event *event, uint32_t events, bool reset, k_timeout_t timeout);
-
-static inline uint32_t k_event_test(struct k_event *event, uint32_t events_mask)
-{
-	return event->events & events_mask;
-}
 
 #endif

@@ -43,8 +43,6 @@ typedef struct {
 
 #define K_THREAD_STATE_MAX_LENGTH 32
 
-struct k_heap;
-
 struct _thread_base {
 	sys_dnode_t qnode; /* in the ready queue or in a wait queue */
 	_wait_q_t *pended_on;
@@ -72,10 +70,6 @@ struct k_thread {
 	k_thread_entry_t entry;
 	void *params[3];
 	struct _thread_stack_info stack_info;
-	uint32_t event_wanted, event_got;
-	bool event_all;
-	struct k_heap *resource_pool;
-	void *custom_data;
 	char name[CONFIG_THREAD_MAX_NAME_LEN];
 };
 
@@ -128,22 +122,14 @@ void k_thread_priority_set(k_tid_t thread, int prio);
 /* 0, or -EINVAL / -ENOSPC as upstream; longer names are cut. thread == NULL: the current one. */
 int k_thread_name_set(k_tid_t thread, const char *value);
 const char *k_thread_name_get(k_tid_t thread);
-int k_thread_name_copy(k_tid_t thread, char *buf, size_t size);
 /* "queued" (ready), "pending", "pending+suspended", … written to buf, which is returned. */
 const char *k_thread_state_str(k_tid_t thread, char *buf, size_t buf_size);
 /* Bytes of the stack (headroom included) that were never written. */
 int k_thread_stack_space_get(const struct k_thread *thread, size_t *unused_ptr);
-void k_thread_custom_data_set(void *value);
-void *k_thread_custom_data_get(void);
-void k_thread_heap_assign(struct k_thread *thread, struct k_heap *heap);
 
 typedef void (*k_thread_user_cb_t)(const struct k_thread *thread, void *user_data);
 /* Newest first. The callback must neither create nor abort threads. */
 void k_thread_foreach(k_thread_user_cb_t user_cb, void *user_data);
-void k_thread_foreach_unlocked(k_thread_user_cb_t user_cb, void *user_data);
-
-k_ticks_t k_thread_timeout_expires_ticks(const struct k_thread *thread);
-k_ticks_t k_thread_timeout_remaining_ticks(const struct k_thread *thread);
 
 /* Milliseconds, or for k_usleep() microseconds, that were left when k_wakeup() ended the sleep; 0
  * otherwise. */
@@ -160,12 +146,8 @@ void k_busy_wait(uint32_t usec_to_wait);
 void k_cpu_idle(void);
 
 k_tid_t k_current_get(void);
-k_tid_t k_sched_current_thread_query(void);
 void k_sched_lock(void);
 void k_sched_unlock(void);
-int k_is_preempt_thread(void);
-bool k_can_yield(void);
-bool k_is_pre_kernel(void);
 
 static inline bool k_is_in_isr(void)
 {

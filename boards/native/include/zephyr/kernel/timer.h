@@ -11,17 +11,15 @@ typedef void (*k_timer_stop_t)(struct k_timer *timer);
 
 struct k_timer {
 	struct _timeout timeout;
-	_wait_q_t wait_q;
 	k_timer_expiry_t expiry_fn;
 	k_timer_stop_t stop_fn;
 	k_timeout_t period;
-	uint32_t status;
 	void *user_data;
 };
 
 #define Z_TIMER_INITIALIZER(obj, expiry, stop)                                                     \
 	{                                                                                          \
-		.wait_q = Z_WAIT_Q_INIT(&(obj).wait_q), .expiry_fn = (expiry), .stop_fn = (stop)   \
+		.expiry_fn = (expiry), .stop_fn = (stop)                                           \
 	}
 #define K_TIMER_DEFINE(name, expiry_fn, stop_fn)                                                   \
 	struct k_timer name = Z_TIMER_INITIALIZER(name, expiry_fn, stop_fn)
@@ -29,16 +27,12 @@ struct k_timer {
 void k_timer_init(struct k_timer *timer, k_timer_expiry_t expiry_fn, k_timer_stop_t stop_fn);
 /*
  * First expiry after duration, or at it when absolute; then every period (K_NO_WAIT, K_FOREVER:
- * once), each at an exact multiple. Resets the status. A running timer is restarted. K_FOREVER: no
+ * once), each at an exact multiple. A running timer is restarted. K_FOREVER: no
  * effect. Any context.
  */
 void k_timer_start(struct k_timer *timer, k_timeout_t duration, k_timeout_t period);
 /* Runs the stop function when the timer was running. Any context. */
 void k_timer_stop(struct k_timer *timer);
-/* Expiries since the last read, which resets the count. */
-uint32_t k_timer_status_get(struct k_timer *timer);
-/* As above; waits for one when there is none yet and the timer runs. */
-uint32_t k_timer_status_sync(struct k_timer *timer);
 k_ticks_t k_timer_expires_ticks(const struct k_timer *timer);
 k_ticks_t k_timer_remaining_ticks(const struct k_timer *timer);
 

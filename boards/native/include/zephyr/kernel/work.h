@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Work queues. A work item runs in its queue's thread, once for all submissions made before it
- * begins; items of one queue run in the order of submission. Submitting, scheduling and cancelling:
- * any context. Waiting functions: threads only, and not the item's own handler.
+ * begins; items of one queue run in the order of submission. Submitting and scheduling: any
+ * context.
  */
 #ifndef ZEPHYR_KERNEL_WORK_H_
 #define ZEPHYR_KERNEL_WORK_H_
@@ -16,22 +16,17 @@ typedef void (*k_work_handler_t)(struct k_work *work);
 
 enum {
 	K_WORK_RUNNING_BIT = 0,
-	K_WORK_CANCELING_BIT = 1,
 	K_WORK_QUEUED_BIT = 2,
 	K_WORK_DELAYED_BIT = 3,
 	K_WORK_DELAYABLE_BIT = 8,
 
 	K_WORK_RUNNING = 1 << K_WORK_RUNNING_BIT,
-	K_WORK_CANCELING = 1 << K_WORK_CANCELING_BIT,
 	K_WORK_QUEUED = 1 << K_WORK_QUEUED_BIT,
 	K_WORK_DELAYED = 1 << K_WORK_DELAYED_BIT,
 	K_WORK_DELAYABLE = 1 << K_WORK_DELAYABLE_BIT,
-	K_WORK_MASK = K_WORK_RUNNING | K_WORK_CANCELING | K_WORK_QUEUED | K_WORK_DELAYED,
+	K_WORK_MASK = K_WORK_RUNNING | K_WORK_QUEUED | K_WORK_DELAYED,
 
 	K_WORK_QUEUE_STARTED = 1 << 0,
-	K_WORK_QUEUE_BUSY = 1 << 1,
-	K_WORK_QUEUE_DRAIN = 1 << 2,
-	K_WORK_QUEUE_PLUGGED = 1 << 3,
 	K_WORK_QUEUE_NO_YIELD = 1 << 8,
 };
 
@@ -48,25 +43,6 @@ struct k_work_delayable {
 	struct k_work_q *queue;
 };
 
-struct z_work_flusher {
-	struct k_work work;
-	struct k_sem sem;
-};
-
-struct z_work_canceller {
-	sys_snode_t node;
-	struct k_work *work;
-	struct k_sem sem;
-};
-
-/* Storage of one waiting call; need not be initialised. */
-struct k_work_sync {
-	union {
-		struct z_work_flusher flusher;
-		struct z_work_canceller canceller;
-	};
-};
-
 struct k_work_queue_config {
 	const char *name;
 	bool no_yield; /* do not yield between two items */
@@ -76,7 +52,6 @@ struct k_work_q {
 	struct k_thread thread;
 	sys_slist_t pending;
 	_wait_q_t notifyq; /* its thread, when there is nothing to do */
-	_wait_q_t drainq;
 	uint32_t flags;
 };
 
@@ -98,17 +73,11 @@ void k_work_init(struct k_work *work, k_work_handler_t handler);
 /* K_WORK_RUNNING, … of this moment. */
 int k_work_busy_get(const struct k_work *work);
 /*
- * 0: queued already. 1: queued. 2: running, and queued again there. -EBUSY: being cancelled, or the
- * queue drains or is plugged. -EINVAL: no queue. -ENODEV: the queue was not started.
+ * 0: queued already. 1: queued. 2: running, and queued again there. -EINVAL: no queue. -ENODEV: the
+ * queue was not started.
  */
 int k_work_submit_to_queue(struct k_work_q *queue, struct k_work *work);
 int k_work_submit(struct k_work *work);
-/* Waits until the item is neither queued nor running. true: it had to wait. */
-bool k_work_flush(struct k_work *work, struct k_work_sync *sync);
-/* Removes it from its queue; returns the flags that remain (0: it is idle). */
-int k_work_cancel(struct k_work *work);
-/* As above and waits until idle. true: it was not idle. */
-bool k_work_cancel_sync(struct k_work *work, struct k_work_sync *sync);
 
 static inline bool k_work_is_pending(const struct k_work *work)
 {
@@ -118,11 +87,6 @@ static inline bool k_work_is_pending(const struct k_work *work)
 void k_work_queue_init(struct k_work_q *queue);
 void k_work_queue_start(struct k_work_q *queue, k_thread_stack_t *stack, size_t stack_size,
                         int prio, const struct k_work_queue_config *cfg);
-/* Waits until the queue is empty; meanwhile takes items only from its own thread. plug: then takes
- * none at all. */
-int k_work_queue_drain(struct k_work_q *queue, bool plug);
-/* -EALREADY: not plugged. */
-int k_work_queue_unplug(struct k_work_q *queue);
 
 static inline k_tid_t k_work_queue_thread_get(struct k_work_q *queue)
 {
@@ -140,12 +104,6 @@ int k_work_schedule(struct k_work_delayable *dwork, k_timeout_t delay);
 int k_work_reschedule_for_queue(struct k_work_q *queue, struct k_work_delayable *dwork,
                                 k_timeout_t delay);
 int k_work_reschedule(struct k_work_delayable *dwork, k_timeout_t delay);
-/* Submits at once when it is scheduled, then waits as k_work_flush(). */
-bool k_work_flush_delayable(struct k_work_delayable *dwork, struct k_work_sync *sync);
-int k_work_cancel_delayable(struct k_work_delayable *dwork);
-bool k_work_cancel_delayable_sync(struct k_work_delayable *dwork, struct k_work_sync *sync);
-k_ticks_t k_work_delayable_expires_get(const struct k_work_delayable *dwork);
-k_ticks_t k_work_delayable_remaining_get(const struct k_work_delayable *dwork);
 
 static inline bool k_work_delayable_is_pending(const struct k_work_delayable *dwork)
 {

@@ -14,7 +14,7 @@
 struct ring_buf {
 	uint8_t *buffer;
 	uint32_t size;
-	/* Byte counts since the reset: claimed and finished, by the producer and by the consumer.
+	/* Byte counts since the start: claimed and finished, by the producer and by the consumer.
 	 */
 	uint64_t put_claimed, put_done;
 	uint64_t get_claimed, get_done;
@@ -33,10 +33,8 @@ struct ring_buf {
 	struct ring_buf name = RING_BUF_INIT(_ring_buffer_data_##name, size8)
 
 void ring_buf_init(struct ring_buf *buf, uint32_t size, uint8_t *data);
-void ring_buf_reset(struct ring_buf *buf);
 bool ring_buf_is_empty(struct ring_buf *buf);
 uint32_t ring_buf_space_get(struct ring_buf *buf);
-uint32_t ring_buf_capacity_get(struct ring_buf *buf);
 uint32_t ring_buf_size_get(struct ring_buf *buf);
 
 /* Contiguous room for at most size bytes; finish with the number written, or -EINVAL: more than
@@ -50,6 +48,5 @@ uint32_t ring_buf_get_claim(struct ring_buf *buf, uint8_t **data, uint32_t size)
 int ring_buf_get_finish(struct ring_buf *buf, uint32_t size);
 /* data == NULL: drops. Returns how many bytes there were. */
 uint32_t ring_buf_get(struct ring_buf *buf, uint8_t *data, uint32_t size);
-uint32_t ring_buf_peek(struct ring_buf *buf, uint8_t *data, uint32_t size);
 
 #endif

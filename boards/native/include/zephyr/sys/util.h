@@ -87,11 +87,9 @@ static inline uint8_t bcd2bin(uint8_t bcd)
 	return (uint8_t)((10 * (bcd >> 4)) + (bcd & 0x0F));
 }
 
-/* Hexadecimal digits. -EINVAL: not a digit, or a value above 15. */
+/* A hexadecimal digit's value; -EINVAL: not a digit. */
 int char2hex(char c, uint8_t *x);
-int hex2char(uint8_t x, char *c);
-/* hexlen digits or bytes written; 0: the output is too small or the input is not hexadecimal. */
-size_t bin2hex(const uint8_t *buf, size_t buflen, char *hex, size_t hexlen);
+/* Bytes written; 0: the output is too small or the input is not hexadecimal. */
 size_t hex2bin(const char *hex, size_t hexlen, uint8_t *buf, size_t buflen);
 
 #endif
