@@ -296,6 +296,7 @@ static void perform(void)
 
 void can_node_take(const struct dronecan_frame *frame)
 {
+	endpoint.firmware.is_taken = firmware_is_busy();
 	dronecan_endpoint_receive(&endpoint, clock_now_us(), frame, &out);
 	perform();
 }

@@ -24,6 +24,7 @@ enum job_kind {
 	JOB_ERASE,
 	JOB_WRITE,
 	JOB_WRITE_LAST,
+	JOB_CLEAN, /* of an update that failed: nobody waits for it */
 };
 
 /* From the command thread to the storage thread, one at a time: the other waits for it. */
@@ -85,13 +86,24 @@ static void enter(enum firmware_phase phase, const char *failure)
 	}
 }
 
+/* Nothing of an update that failed stays in flash. */
+static void fail(const char *failure)
+{
+	const bool has_written = status.phase != FIRMWARE_ERASING;
+
+	enter(FIRMWARE_FAILED, failure);
+	if (has_written) {
+		post(JOB_CLEAN);
+	}
+}
+
 /* Storage has done its job: on, in the command thread. */
 static int take_done(struct pharos_device *device, void *argument)
 {
 	const char *const failure = argument;
 
 	if (failure != NULL) {
-		enter(FIRMWARE_FAILED, failure);
+		fail(failure);
 	} else if (status.phase == FIRMWARE_ERASING) {
 		enter(FIRMWARE_WRITING, NULL);
 	} else if (status.phase == FIRMWARE_CHECKING) {
@@ -129,7 +141,22 @@ void firmware_write(const uint8_t *data, size_t size, bool is_last)
 void firmware_abort(const char *failure)
 {
 	PHAROS_ASSERT(atomic_get(&job.kind) == JOB_NONE);
-	enter(FIRMWARE_FAILED, failure);
+	fail(failure);
+}
+
+bool firmware_is_busy(void)
+{
+	switch (status.phase) {
+	case FIRMWARE_ERASING:
+	case FIRMWARE_WRITING:
+	case FIRMWARE_CHECKING:
+		return true;
+	case FIRMWARE_IDLE:
+	case FIRMWARE_INSTALLED:
+	case FIRMWARE_FAILED:
+		break;
+	}
+	return atomic_get(&job.kind) != JOB_NONE;
 }
 
 struct firmware_status firmware_status_get(void)
@@ -220,6 +247,7 @@ static const char *run_job(enum job_kind kind)
 	case JOB_NONE:
 		break;
 	case JOB_ERASE:
+	case JOB_CLEAN:
 		failure = erase(slot);
 		break;
 	case JOB_WRITE:
@@ -251,6 +279,8 @@ static void store(struct k_work *work)
 		const char *const failure = run_job(kind);
 
 		atomic_set(&job.kind, JOB_NONE);
-		inbox_call(take_done, (void *)(uintptr_t)failure);
+		if (kind != JOB_CLEAN) {
+			inbox_call(take_done, (void *)(uintptr_t)failure);
+		}
 	}
 }

@@ -47,14 +47,22 @@ static inline const char *firmware_unavailable(void)
 
 /*
  * Command thread. Each returns at once, and done() follows in the command thread when the flash has
- * done it: NULL, or why the update has failed. Begin: idle, installed or failed, asserted. Write:
- * data holds until done(), size 0…256 and whole blocks of the flash but for the last.
+ * done it: NULL, or why the update has failed. Begin: the flash is at rest, asserted; an update
+ * that was under way is given up. Write: data holds until done(), size 0…256 and whole blocks of
+ * the flash but for the last.
  */
 void firmware_begin(void (*done)(const char *failure));
 void firmware_write(const uint8_t *data, size_t size, bool is_last);
 
-/* The source has failed. The flash is at rest, asserted. failure: constant. Command thread. */
+/*
+ * The source has failed. The flash is at rest, asserted. failure: constant. Command thread. As
+ * after every failure, what was written is then erased, during which it is busy.
+ */
 void firmware_abort(const char *failure);
+
+/* An update is under way, or what is left of one is being erased: none may begin. Command thread.
+ */
+bool firmware_is_busy(void);
 
 /* Any thread. */
 struct firmware_status firmware_status_get(void);
@@ -79,6 +87,11 @@ static inline void firmware_write(const uint8_t *data, size_t size, bool is_last
 
 static inline void firmware_abort(const char *failure)
 {
+}
+
+static inline bool firmware_is_busy(void)
+{
+	return false;
 }
 
 #endif

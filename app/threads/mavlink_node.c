@@ -13,6 +13,7 @@
 #include "proto/mavlink/illuminator_service.h"
 #include "threads/clock.h"
 #include "threads/devices.h"
+#include "threads/firmware.h"
 #include "threads/identity.h"
 #include "threads/inputs.h"
 #include "threads/links.h"
@@ -147,8 +148,55 @@ static void forward(void)
 #endif
 }
 
+/* --- firmware update -------------------------------------------------------------------------- */
+
+#ifdef CONFIG_PHAROS_UPLOAD
+static void upload_done(const char *failure)
+{
+	struct mavlink_upload *const upload = &illuminator.ftp.upload;
+	const int64_t now_us = clock_now_us();
+	char text[MAVLINK_TEXT_BYTES];
+
+	mavlink_upload_done(upload, now_us, failure);
+	if (failure != NULL) {
+		snprintk(text, sizeof(text), "Update: %s", failure);
+		mavlink_endpoint_text(&endpoint, now_us, 3 /* MAV_SEVERITY_ERROR */, text);
+	} else if (upload->state == MAVLINK_UPLOAD_INSTALLED) {
+		mavlink_endpoint_text(&endpoint, now_us, 5 /* MAV_SEVERITY_NOTICE */,
+		                      "Update: starts at the next reset");
+	}
+}
+#endif
+
+static void perform_upload(void)
+{
+#ifdef CONFIG_PHAROS_UPLOAD
+	const struct mavlink_upload *const upload = &illuminator.ftp.upload;
+
+	switch (out.upload) {
+	case MAVLINK_OUTBOX_UPLOAD_NOTHING:
+		break;
+	case MAVLINK_OUTBOX_UPLOAD_BEGIN:
+		firmware_begin(upload_done);
+		break;
+	case MAVLINK_OUTBOX_UPLOAD_BLOCK:
+		firmware_write(upload->buffer, MAVLINK_UPLOAD_BLOCK, false);
+		break;
+	case MAVLINK_OUTBOX_UPLOAD_LAST:
+		firmware_write(upload->buffer, upload->fill, true);
+		break;
+	case MAVLINK_OUTBOX_UPLOAD_ABORT:
+		firmware_abort("the upload broke off");
+		break;
+	}
+#endif
+}
+
+/* --- what the command thread calls ------------------------------------------------------------ */
+
 void mavlink_node_flush(void)
 {
+	perform_upload();
 	if (out.command != 0) {
 		probe_set(devices.probe, PROBE_COMMAND, out.command);
 	}
@@ -173,6 +221,9 @@ void mavlink_node_take(uint8_t link, const uint8_t *bytes, size_t length)
 {
 	received = bytes;
 	received_length = length;
+#ifdef CONFIG_PHAROS_UPLOAD
+	illuminator.ftp.upload.is_taken = firmware_is_busy();
+#endif
 	mavlink_endpoint_receive(&endpoint, clock_now_us(), link, bytes, length, &out);
 	tell_key();
 }

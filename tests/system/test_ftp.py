@@ -109,8 +109,15 @@ def test_other_files_are_not_found(udp_ftp: FtpClient, path: bytes) -> None:
 @pytest.mark.parametrize("opcode", WRITES.values(), ids=WRITES.keys())
 def test_writing_is_refused(udp_ftp: FtpClient, opcode: int) -> None:
     before = udp_ftp.read(GENERAL)
-    assert udp_ftp.ask(opcode, GENERAL.encode()).error == FILE_PROTECTED
+    # WriteFile names no file, but a session: there is none
+    error = INVALID_SESSION if opcode == WRITES["write"] else FILE_PROTECTED
+    assert udp_ftp.ask(opcode, GENERAL.encode()).error == error
     assert udp_ftp.read(GENERAL) == before
+
+
+def test_a_session_that_reads_is_not_written_to(udp_ftp: FtpClient) -> None:
+    session, _ = udp_ftp.open(GENERAL)
+    assert udp_ftp.ask(WRITES["write"], b"{}", session=session).error == INVALID_SESSION
 
 
 @pytest.mark.parametrize("opcode", [16, 42, 127, 130, 255])

@@ -14,6 +14,7 @@ import pytest
 from dronecan import uavcan
 
 from dronecan_peer import Peer
+from ftp_client import WRITES, FtpClient
 from harness import CONSOLE, ROOT, WIRES, Light, Shell, light_on, of
 from imc_light import join
 from parameters import as_float, ask, send_set
@@ -160,6 +161,12 @@ class MavlinkWay:
 
     def restart(self) -> None:
         self._command(REBOOT, 0.0, 0.0, 1.0, 0.0, 0.0, 20190226.0)  # forced
+
+    def update(self) -> bool:
+        try:
+            return FtpClient(self.light.mav).ask(WRITES["create"], b"firmware.bin").error == 0
+        except SilentError:
+            return False
 
 
 class DronecanWay:

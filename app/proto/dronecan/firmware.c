@@ -79,7 +79,7 @@ static void begin(struct dronecan_firmware *self, int64_t now_us,
 		       "no such node, or no path");
 		return;
 	}
-	if (self->state != DRONECAN_FIRMWARE_IDLE) {
+	if (self->state != DRONECAN_FIRMWARE_IDLE || self->is_taken) {
 		self->stats.refused +=
 			is_the_same(self, server, &message.image_file_remote_path) ? 0u : 1u;
 		answer(self, now_us, transfer,

@@ -53,6 +53,7 @@ struct dronecan_firmware {
 	struct dronecan_transport *transport;
 	struct dronecan_node *node;
 	const char *unavailable; /* why there is no update; NULL: there is */
+	bool is_taken;           /* by an update that came another way; its owner sets it */
 	enum dronecan_firmware_state state;
 	uint64_t offset;
 	int64_t repeat_us;

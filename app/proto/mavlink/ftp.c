@@ -4,6 +4,7 @@
 #include "core/assert.h"
 #include "core/limits.h"
 #include "proto/mavlink/dialect.h"
+#include "proto/mavlink/ftp_request.h"
 #include "proto/mavlink/ftp_session.h"
 
 #include <stddef.h>
@@ -27,30 +28,15 @@ _Static_assert(AT_DATA + MAVLINK_FTP_DATA_MAX == PAYLOAD_BYTES, "common.xml");
 /* "F", name, tab, ten digits, 0 */
 _Static_assert(1 + MAVLINK_FTP_NAME_MAX + 1 + 10 + 1 <= MAVLINK_FTP_DATA_MAX, "an entry fits");
 
-struct request {
-	uint32_t offset;
-	uint16_t sequence;
-	uint8_t session;
-	uint8_t opcode;
-	uint8_t size;
-	bool to_all;      /* to no component in particular */
-	const char *path; /* without leading '/', not terminated */
-	size_t path_length;
-};
-
-/* A part of a frame's answer: what an operation fills in. */
-struct answer {
-	uint8_t session;
-	uint8_t size;
-	uint8_t *data; /* MAVLINK_FTP_DATA_MAX bytes */
-};
-
 void mavlink_ftp_init(struct mavlink_ftp *self, const struct mavlink_files *files,
                       struct mavlink_params *params)
 {
 	memset(self, 0, sizeof(*self));
 	self->files = files;
 	self->params = params;
+#ifdef CONFIG_PHAROS_UPLOAD
+	mavlink_upload_init(&self->upload, params->device);
+#endif
 }
 
 /* --- wire ------------------------------------------------------------------------------------- */
@@ -66,15 +52,20 @@ static uint32_t get_le(const struct mavlink_frame *frame, uint8_t at, uint8_t by
 	return value;
 }
 
-static void put_le(uint8_t *to, uint32_t value, uint8_t bytes)
+void mavlink_ftp_put_le(uint8_t *to, uint32_t value, uint8_t bytes)
 {
 	for (uint8_t i = 0; i < bytes; i++) {
 		to[i] = (uint8_t)(value >> (8 * i));
 	}
 }
 
+uint8_t mavlink_ftp_data_byte(const struct mavlink_ftp_request *request, uint8_t i)
+{
+	return mavlink_frame_byte(request->frame, (uint8_t)(PAYLOAD_OFFSET + AT_DATA + i));
+}
+
 /* The path ends at its size, at a 0, or where the frame was truncated; "/a" and "a" are one. */
-static void read_path(const struct mavlink_frame *frame, struct request *request)
+static void read_path(const struct mavlink_frame *frame, struct mavlink_ftp_request *request)
 {
 	const size_t start = PAYLOAD_OFFSET + AT_DATA;
 	const size_t there = frame->payload_length > start ? frame->payload_length - start : 0;
@@ -92,33 +83,40 @@ static void read_path(const struct mavlink_frame *frame, struct request *request
 	request->path_length = length;
 }
 
-static struct request read_request(const struct mavlink_frame *frame)
+static struct mavlink_ftp_request read_request(const struct mavlink_frame *frame)
 {
-	struct request request = {
+	struct mavlink_ftp_request request = {
 		.sequence = (uint16_t)get_le(frame, AT_SEQUENCE, 2),
 		.session = (uint8_t)get_le(frame, AT_SESSION, 1),
 		.opcode = (uint8_t)get_le(frame, AT_OPCODE, 1),
 		.size = (uint8_t)get_le(frame, AT_SIZE, 1),
 		.offset = get_le(frame, AT_OFFSET, 4),
 		.to_all = mavlink_frame_byte(frame, COMPONENT_OFFSET) == 0,
+		.frame = frame,
 	};
 
 	read_path(frame, &request);
 	return request;
 }
 
-static void write_reply(mavlink_file_transfer_protocol_t *wire, uint16_t sequence, uint8_t request,
-                        uint8_t session, uint32_t offset)
+static void write_head(mavlink_file_transfer_protocol_t *wire, uint16_t sequence, uint8_t request,
+                       uint8_t session, uint32_t offset)
 {
-	memset(wire, 0, sizeof(*wire));
-	put_le(&wire->payload[AT_SEQUENCE], sequence, 2);
+	mavlink_ftp_put_le(&wire->payload[AT_SEQUENCE], sequence, 2);
 	wire->payload[AT_SESSION] = session;
 	wire->payload[AT_OPCODE] = MAV_FTP_OPCODE_ACK;
 	wire->payload[AT_REQUEST] = request;
-	put_le(&wire->payload[AT_OFFSET], offset, 4);
+	mavlink_ftp_put_le(&wire->payload[AT_OFFSET], offset, 4);
 }
 
-static bool is_root(const struct request *request)
+void mavlink_ftp_answer_init(struct mavlink_ftp_answer *self, uint8_t session)
+{
+	memset(self, 0, sizeof(*self));
+	self->session = session;
+	self->data = &self->wire.payload[AT_DATA];
+}
+
+static bool is_root(const struct mavlink_ftp_request *request)
 {
 	return request->path_length == 0 || (request->path_length == 1 && request->path[0] == '.');
 }
@@ -152,8 +150,8 @@ static uint8_t write_entry(uint8_t *to, const struct mavlink_file *file)
 }
 
 /* Whole entries, from the one that offset counts to, as many as fit. */
-static uint8_t list_directory(struct mavlink_ftp *self, const struct request *request,
-                              struct answer *answer)
+static uint8_t list_directory(struct mavlink_ftp *self, const struct mavlink_ftp_request *request,
+                              struct mavlink_ftp_answer *answer)
 {
 	const uint8_t entry_max = 1 + MAVLINK_FTP_NAME_MAX + 1 + 10 + 1;
 
@@ -172,7 +170,8 @@ static uint8_t list_directory(struct mavlink_ftp *self, const struct request *re
 }
 
 static uint8_t open_file(struct mavlink_ftp *self, const struct mavlink_context *context,
-                         const struct request *request, struct answer *answer)
+                         const struct mavlink_ftp_request *request,
+                         struct mavlink_ftp_answer *answer)
 {
 	const struct mavlink_file *const file =
 		mavlink_ftp_file(self, request->path, request->path_length);
@@ -188,20 +187,53 @@ static uint8_t open_file(struct mavlink_ftp *self, const struct mavlink_context 
 	}
 	answer->session = session->id;
 	answer->size = sizeof(session->length);
-	put_le(answer->data, session->length, sizeof(session->length));
+	mavlink_ftp_put_le(answer->data, session->length, sizeof(session->length));
 	return MAV_FTP_ERR_NONE;
 }
 
 static uint8_t terminate(struct mavlink_ftp *self, const struct mavlink_context *context,
-                         const struct request *request)
+                         const struct mavlink_ftp_request *request)
 {
-	return mavlink_ftp_session_close(self, context, request->session, request->sequence)
-	               ? MAV_FTP_ERR_NONE
-	               : MAV_FTP_ERR_INVALIDSESSION;
+	if (mavlink_ftp_session_close(self, context, request->session, request->sequence)) {
+		return MAV_FTP_ERR_NONE;
+	}
+#ifdef CONFIG_PHAROS_UPLOAD
+	if (mavlink_upload_has(&self->upload, context, request->session)) {
+		return mavlink_upload_terminate(&self->upload, context, request);
+	}
+#endif
+	return MAV_FTP_ERR_INVALIDSESSION;
+}
+
+static uint8_t reset(struct mavlink_ftp *self, const struct mavlink_context *context)
+{
+	mavlink_ftp_session_reset(self, context);
+#ifdef CONFIG_PHAROS_UPLOAD
+	mavlink_upload_reset(&self->upload, context);
+#endif
+	return MAV_FTP_ERR_NONE;
+}
+
+/* The only file that is written is a firmware image. */
+static uint8_t write_file(struct mavlink_ftp *self, const struct mavlink_context *context,
+                          const struct mavlink_ftp_request *request,
+                          struct mavlink_ftp_answer *answer)
+{
+#ifdef CONFIG_PHAROS_UPLOAD
+	if (request->opcode == MAV_FTP_OPCODE_WRITEFILE) {
+		return mavlink_upload_write(&self->upload, context, request);
+	}
+	return mavlink_upload_open(&self->upload, context, request,
+	                           mavlink_ftp_session_free_id(self, context, request->session),
+	                           answer);
+#else
+	return MAV_FTP_ERR_FILEPROTECTED;
+#endif
 }
 
 static uint8_t read_file(struct mavlink_ftp *self, const struct mavlink_context *context,
-                         const struct request *request, struct answer *answer)
+                         const struct mavlink_ftp_request *request,
+                         struct mavlink_ftp_answer *answer)
 {
 	const struct mavlink_ftp_session *const session =
 		mavlink_ftp_session_find(self, context, request->session);
@@ -222,7 +254,7 @@ static uint8_t read_file(struct mavlink_ftp *self, const struct mavlink_context 
 
 /* Size 0 leaves the length of the parts to us. */
 static uint8_t burst_read(struct mavlink_ftp *self, const struct mavlink_context *context,
-                          const struct request *request)
+                          const struct mavlink_ftp_request *request)
 {
 	struct mavlink_ftp_session *const session =
 		mavlink_ftp_session_find(self, context, request->session);
@@ -237,12 +269,21 @@ static uint8_t burst_read(struct mavlink_ftp *self, const struct mavlink_context
 	session->burst_offset = request->offset;
 	session->burst_sequence = (uint16_t)(request->sequence + 1);
 	session->burst_us = context->now_us;
-	return MAV_FTP_ERR_NONE;
+	return MAVLINK_FTP_LATER;
 }
 
-static uint8_t calculate_crc(const struct mavlink_ftp *self, const struct request *request,
-                             struct answer *answer)
+static uint8_t calculate_crc(const struct mavlink_ftp *self, const struct mavlink_context *context,
+                             const struct mavlink_ftp_request *request,
+                             struct mavlink_ftp_answer *answer)
 {
+#ifdef CONFIG_PHAROS_UPLOAD
+	if (mavlink_upload_is_named(&self->upload, context, request)) {
+		answer->size = sizeof(self->upload.crc32);
+		mavlink_ftp_put_le(answer->data, self->upload.crc32, sizeof(self->upload.crc32));
+		return MAV_FTP_ERR_NONE;
+	}
+#endif
+
 	const struct mavlink_file *const file =
 		mavlink_ftp_file(self, request->path, request->path_length);
 
@@ -251,12 +292,12 @@ static uint8_t calculate_crc(const struct mavlink_ftp *self, const struct reques
 		                                  */
 	}
 	answer->size = sizeof(file->crc32);
-	put_le(answer->data, file->crc32, sizeof(file->crc32));
+	mavlink_ftp_put_le(answer->data, file->crc32, sizeof(file->crc32));
 	return MAV_FTP_ERR_NONE;
 }
 
 static uint8_t operate(struct mavlink_ftp *self, const struct mavlink_context *context,
-                       const struct request *request, struct answer *answer)
+                       const struct mavlink_ftp_request *request, struct mavlink_ftp_answer *answer)
 {
 	if (request->size > MAVLINK_FTP_DATA_MAX) {
 		return MAV_FTP_ERR_INVALIDDATASIZE;
@@ -267,8 +308,7 @@ static uint8_t operate(struct mavlink_ftp *self, const struct mavlink_context *c
 	case MAV_FTP_OPCODE_TERMINATESESSION:
 		return terminate(self, context, request);
 	case MAV_FTP_OPCODE_RESETSESSION:
-		mavlink_ftp_session_reset(self, context);
-		return MAV_FTP_ERR_NONE;
+		return reset(self, context);
 	case MAV_FTP_OPCODE_LISTDIRECTORY:
 		return list_directory(self, request, answer);
 	case MAV_FTP_OPCODE_OPENFILERO:
@@ -276,15 +316,16 @@ static uint8_t operate(struct mavlink_ftp *self, const struct mavlink_context *c
 	case MAV_FTP_OPCODE_READFILE:
 		return read_file(self, context, request, answer);
 	case MAV_FTP_OPCODE_CALCFILECRC:
-		return calculate_crc(self, request, answer);
+		return calculate_crc(self, context, request, answer);
 	case MAV_FTP_OPCODE_BURSTREADFILE:
 		return burst_read(self, context, request);
 	case MAV_FTP_OPCODE_CREATEFILE:
+	case MAV_FTP_OPCODE_OPENFILEWO:
 	case MAV_FTP_OPCODE_WRITEFILE:
+		return write_file(self, context, request, answer);
 	case MAV_FTP_OPCODE_REMOVEFILE:
 	case MAV_FTP_OPCODE_CREATEDIRECTORY:
 	case MAV_FTP_OPCODE_REMOVEDIRECTORY:
-	case MAV_FTP_OPCODE_OPENFILEWO:
 	case MAV_FTP_OPCODE_TRUNCATEFILE:
 	case MAV_FTP_OPCODE_RENAME:
 		return MAV_FTP_ERR_FILEPROTECTED;
@@ -297,12 +338,36 @@ static uint8_t operate(struct mavlink_ftp *self, const struct mavlink_context *c
 
 static const struct mavlink_kind kind = MAVLINK_KIND(FILE_TRANSFER_PROTOCOL);
 
+void mavlink_ftp_send(const struct mavlink_context *context,
+                      const struct mavlink_ftp_client *client,
+                      const struct mavlink_ftp_request *request, uint8_t error,
+                      struct mavlink_ftp_answer *answer)
+{
+	mavlink_file_transfer_protocol_t *const wire = &answer->wire;
+
+	write_head(wire, (uint16_t)(request->sequence + 1), request->opcode, answer->session,
+	           request->offset);
+	wire->payload[AT_SIZE] = answer->size;
+	if (error != MAV_FTP_ERR_NONE) {
+		wire->payload[AT_OPCODE] = MAV_FTP_OPCODE_NAK;
+		wire->payload[AT_SIZE] = 1;
+		answer->data[0] = error;
+	}
+	wire->target_system = client->system;
+	wire->target_component = client->component;
+	(void)mavlink_send(context, client->link, &kind, wire);
+}
+
 void mavlink_ftp_receive(struct mavlink_ftp *self, const struct mavlink_context *context,
                          const struct mavlink_frame *frame)
 {
-	const struct request request = read_request(frame);
-	mavlink_file_transfer_protocol_t wire;
-	struct answer answer = {.session = request.session, .data = &wire.payload[AT_DATA]};
+	const struct mavlink_ftp_request request = read_request(frame);
+	const struct mavlink_ftp_client client = {
+		.link = context->link,
+		.system = context->source_system,
+		.component = context->source_component,
+	};
+	struct mavlink_ftp_answer answer;
 	uint8_t error;
 
 	/* somebody's answer to somebody else */
@@ -310,34 +375,27 @@ void mavlink_ftp_receive(struct mavlink_ftp *self, const struct mavlink_context 
 		return;
 	}
 	self->stats.requests++;
-	write_reply(&wire, (uint16_t)(request.sequence + 1), request.opcode, 0, request.offset);
+	mavlink_ftp_answer_init(&answer, request.session);
 	error = operate(self, context, &request, &answer);
-	if (error == MAV_FTP_ERR_NONE && request.opcode == MAV_FTP_OPCODE_BURSTREADFILE) {
-		return; /* the step sends it */
+	if (error == MAVLINK_FTP_LATER) {
+		return; /* a step sends it */
 	}
-	if (error != MAV_FTP_ERR_NONE && error != MAV_FTP_ERR_EOF && request.to_all) {
-		return; /* another component may have it */
+	if (error != MAV_FTP_ERR_NONE && error != MAV_FTP_ERR_EOF) {
+		if (request.to_all) {
+			return; /* another component may have it */
+		}
+		self->stats.refused++;
 	}
-	if (error != MAV_FTP_ERR_NONE) {
-		self->stats.refused += error == MAV_FTP_ERR_EOF ? 0 : 1;
-		wire.payload[AT_OPCODE] = MAV_FTP_OPCODE_NAK;
-		answer.size = 1;
-		answer.data[0] = error;
-	}
-	wire.payload[AT_SESSION] = answer.session;
-	wire.payload[AT_SIZE] = answer.size;
-	wire.target_system = context->source_system;
-	wire.target_component = context->source_component;
-	(void)mavlink_send(context, context->link, &kind, &wire);
+	mavlink_ftp_send(context, &client, &request, error, &answer);
 }
 
 static void send_part(struct mavlink_ftp *self, const struct mavlink_context *context,
                       struct mavlink_ftp_session *session)
 {
-	mavlink_file_transfer_protocol_t wire;
+	mavlink_file_transfer_protocol_t wire = {0};
 
-	write_reply(&wire, session->burst_sequence, MAV_FTP_OPCODE_BURSTREADFILE, session->id,
-	            session->burst_offset);
+	write_head(&wire, session->burst_sequence, MAV_FTP_OPCODE_BURSTREADFILE, session->id,
+	           session->burst_offset);
 
 	const uint8_t size =
 		mavlink_ftp_session_read(self, session, session->burst_offset,

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * MAVLink FTP: files of the device's flash, read by anyone, written by nobody. One folder, "/"; and
- * beside it "@PARAM/param.pck", all parameters as param_pack.h has them.
+ * MAVLink FTP: files of the device's flash, read by anyone, written by nobody, but for a firmware
+ * image (upload.h). One folder, "/"; and beside it "@PARAM/param.pck", all parameters as
+ * param_pack.h has them.
  *
  *   ListDirectory, OpenFileRO, ReadFile, BurstReadFile, CalcFileCRC32, TerminateSession,
- *   ResetSessions, None; what writes is refused as FileProtected, the rest as UnknownCommand.
+ *   ResetSessions, None; what else writes is refused as FileProtected, the rest as UnknownCommand.
  *
  * A session belongs to who opened it: link, system id, component id; ResetSessions ends the asker's
  * only. Its number is the one that OpenFileRO brought, if that client has no other session of that
@@ -27,6 +28,7 @@
 #include "proto/mavlink/endpoint.h"
 #include "proto/mavlink/param_pack.h"
 #include "proto/mavlink/param_service.h"
+#include "proto/mavlink/upload.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -79,6 +81,9 @@ struct mavlink_ftp {
 	struct mavlink_param_pack pack; /* what sessions of packed parameters read */
 	struct mavlink_ftp_session sessions[MAVLINK_FTP_SESSIONS];
 	struct mavlink_ftp_stats stats;
+#ifdef CONFIG_PHAROS_UPLOAD
+	struct mavlink_upload upload;
+#endif
 };
 
 /* Both outlive it. */

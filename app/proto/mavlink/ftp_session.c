@@ -194,13 +194,22 @@ static struct mavlink_ftp_session *vacant(struct mavlink_ftp *self, int64_t now_
 	return oldest;
 }
 
-/* What the client wants, if it is free for it; else the lowest that is. */
-static uint8_t free_id(struct mavlink_ftp *self, const struct mavlink_context *context,
-                       uint8_t wanted)
+static bool is_used(struct mavlink_ftp *self, const struct mavlink_context *context, uint8_t id)
+{
+#ifdef CONFIG_PHAROS_UPLOAD
+	if (mavlink_upload_has(&self->upload, context, id)) {
+		return true;
+	}
+#endif
+	return find_open(self, context, id) != NULL;
+}
+
+uint8_t mavlink_ftp_session_free_id(struct mavlink_ftp *self, const struct mavlink_context *context,
+                                    uint8_t wanted)
 {
 	uint8_t id = wanted;
 
-	for (uint8_t next = 0; find_open(self, context, id) != NULL; next++) {
+	for (uint8_t next = 0; is_used(self, context, id); next++) {
 		id = next;
 	}
 	return id;
@@ -262,7 +271,7 @@ struct mavlink_ftp_session *mavlink_ftp_session_open(struct mavlink_ftp *self,
 		.used_us = context->now_us,
 		.opened = sequence,
 		.wanted = wanted,
-		.id = free_id(self, context, wanted),
+		.id = mavlink_ftp_session_free_id(self, context, wanted),
 		.link = context->link,
 		.system = context->source_system,
 		.component = context->source_component,

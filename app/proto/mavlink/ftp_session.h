@@ -24,6 +24,10 @@ struct mavlink_ftp_session *mavlink_ftp_session_open(struct mavlink_ftp *self,
                                                      const struct mavlink_file *file,
                                                      uint16_t sequence, uint8_t wanted);
 
+/* The number that the asker wants, if it is free for it; else the lowest that is. */
+uint8_t mavlink_ftp_session_free_id(struct mavlink_ftp *self, const struct mavlink_context *context,
+                                    uint8_t wanted);
+
 /* The asker's open session of that number; NULL: there is none. It counts as used now. */
 struct mavlink_ftp_session *mavlink_ftp_session_find(struct mavlink_ftp *self,
                                                      const struct mavlink_context *context,

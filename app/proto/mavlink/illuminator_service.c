@@ -438,6 +438,11 @@ static bool step(const struct mavlink_context *context)
 		return false;
 	}
 #endif
+#ifdef CONFIG_PHAROS_UPLOAD
+	if (!mavlink_upload_step(&self->ftp.upload, context)) {
+		return false;
+	}
+#endif
 	return mavlink_params_step(&self->params, context);
 }
 
@@ -452,6 +457,11 @@ static int64_t deadline_us(const void *service)
 	const int64_t files_us = mavlink_ftp_deadline_us(&self->ftp);
 
 	due_us = files_us < due_us ? files_us : due_us;
+#endif
+#ifdef CONFIG_PHAROS_UPLOAD
+	const int64_t upload_us = mavlink_upload_deadline_us(&self->ftp.upload);
+
+	due_us = upload_us < due_us ? upload_us : due_us;
 #endif
 	return due_us;
 }

@@ -95,6 +95,11 @@
 #define MAVLINK_FTP_NAME_MAX 32
 #define MAVLINK_FTP_DATA_MAX 239
 
+/* A firmware image that is uploaded: what is handed to the flash at once, and the silence after
+ * which it is given up. */
+#define MAVLINK_UPLOAD_BLOCK   256
+#define MAVLINK_UPLOAD_IDLE_US 60000000
+
 _Static_assert(MAVLINK_FRAME_MAX == MAVLINK_V2_HEADER + MAVLINK_PAYLOAD_MAX +
                                             MAVLINK_CHECKSUM_BYTES + MAVLINK_SIGNATURE_BYTES,
                "the longest frame");
@@ -106,6 +111,8 @@ _Static_assert(MAVLINK_OUTBOX_BYTES <= UINT16_MAX, "offsets are 16 bits");
 _Static_assert(MAVLINK_SIGNING_STORE_S < 60, "stored at least once a minute");
 _Static_assert(MAVLINK_LINKS_MAX <= 8, "a set of links is 8 bits");
 _Static_assert(MAVLINK_FTP_SESSIONS < UINT8_MAX, "a client has a number to spare");
+_Static_assert(MAVLINK_FTP_DATA_MAX < MAVLINK_UPLOAD_BLOCK, "a write fills one block at most");
+_Static_assert(MAVLINK_UPLOAD_IDLE_US > MAVLINK_FTP_IDLE_US, "taken over before it is given up");
 _Static_assert(MAVLINK_MESSAGES_MAX <= 16, "a set of streams is 16 bits");
 
 #endif

@@ -19,7 +19,17 @@ struct mavlink_outbox_frame {
 	uint8_t link;
 };
 
+/* What is to be done with the second image slot (upload.h): a block, or the last one. */
+enum mavlink_outbox_upload {
+	MAVLINK_OUTBOX_UPLOAD_NOTHING,
+	MAVLINK_OUTBOX_UPLOAD_BEGIN,
+	MAVLINK_OUTBOX_UPLOAD_BLOCK,
+	MAVLINK_OUTBOX_UPLOAD_LAST,
+	MAVLINK_OUTBOX_UPLOAD_ABORT,
+};
+
 struct mavlink_outbox {
+	enum mavlink_outbox_upload upload;
 	bool reboot;        /* once the frames are out */
 	bool store_signing; /* signing is to be stored */
 	uint8_t forward;    /* bit per link that the received frame goes on to, as it is */
@@ -33,6 +43,7 @@ struct mavlink_outbox {
 
 static inline void mavlink_outbox_clear(struct mavlink_outbox *self)
 {
+	self->upload = MAVLINK_OUTBOX_UPLOAD_NOTHING;
 	self->reboot = false;
 	self->store_signing = false;
 	self->forward = 0;

@@ -78,6 +78,11 @@ static const char *update(const uint8_t *image, size_t size)
 		run_storage();
 		zassert_true(is_done);
 	}
+	if (firmware_is_busy()) {
+		zassert_not_null(failure, "what failed is erased");
+		run_storage();
+	}
+	zassert_false(firmware_is_busy());
 	return failure;
 }
 
@@ -90,6 +95,19 @@ static void before(void *fixture)
 }
 
 ZTEST_SUITE(firmware, NULL, NULL, before, NULL, NULL);
+
+static void assert_second_slot_is_empty(void)
+{
+	uint8_t bytes[FLASH_PAGE_SIZE];
+
+	for (uint32_t at = 0; at < FLASH_SLOT_SIZE; at += sizeof(bytes)) {
+		zassert_equal(flash_read(flash_store(), slots.second + at, bytes, sizeof(bytes)),
+		              0);
+		for (size_t i = 0; i < sizeof(bytes); i++) {
+			zassert_equal(bytes[i], 0xFF, "at %zu", at + i);
+		}
+	}
+}
 
 static bool first_slot_has(const uint8_t *image, size_t size)
 {
@@ -187,4 +205,22 @@ ZTEST(firmware, test_a_spoilt_image_is_not_marked)
 	zassert_str_equal(update(spoilt, sizeof(spoilt)), "the image does not have its SHA-256");
 	zassert_equal(firmware_status_get().phase, FIRMWARE_FAILED);
 	zassert_equal(bootloader_run(flash_store(), &slots), BOOTLOADER_NOTHING);
+	assert_second_slot_is_empty();
+}
+
+ZTEST(firmware, test_an_update_that_is_given_up_leaves_nothing)
+{
+	firmware_begin(done);
+	zassert_true(firmware_is_busy());
+	run_storage();
+	firmware_write(image_plain, BLOCK, false);
+	run_storage();
+	is_done = false;
+	firmware_abort("the upload broke off");
+	zassert_equal(firmware_status_get().phase, FIRMWARE_FAILED);
+	zassert_true(firmware_is_busy());
+	run_storage();
+	zassert_false(firmware_is_busy());
+	zassert_false(is_done, "nobody waits for it");
+	assert_second_slot_is_empty();
 }
