@@ -6,6 +6,7 @@
 #include <zephyr/drivers/hwinfo.h>
 #include <zephyr/kernel.h>
 #include <zephyr/logging/log.h>
+#include <zephyr/sys/printk.h>
 #include <zephyr/sys/reboot.h>
 
 #include <pharos/drivers/light.h>
@@ -68,6 +69,10 @@ static void listen(void)
 			.id = node_id << TYPE_SHIFT | SERVICE,
 			.mask = SERVICE_MASK,
 		};
+		/* who else has our id */
+		filters[count] = messages(&dronecan_node_status_type);
+		filters[count].id |= node_id;
+		filters[count++].mask |= DRONECAN_NODE_ID_MAX;
 	}
 	if (lights->light_id != DRONECAN_LIGHTS_ID_NONE) {
 		filters[count++] = messages(&dronecan_indication_lights_command_type);
@@ -241,6 +246,32 @@ void can_node_tell(const struct device_effects *effects)
 	}
 }
 
+/* Another node has our id, or has not any more. */
+static void tell_clash(void)
+{
+	static bool told;
+	const struct dronecan_clash *const clash = &endpoint.node.clash;
+	char text[CAN_NODE_CLASH_TEXT_MAX];
+
+	if (clash->on == told) {
+		return;
+	}
+	told = clash->on;
+	dronecan_endpoint_report(&endpoint, clock_now_us());
+	if (clash->on) {
+		can_node_clash_text(text);
+		LOG_WRN("%s", text);
+		log_warning(text);
+	}
+}
+
+bool can_node_clash_text(char text[CAN_NODE_CLASH_TEXT_MAX])
+{
+	snprintk(text, CAN_NODE_CLASH_TEXT_MAX, "CAN node id %u is another node's too",
+	         endpoint.transport.node_id);
+	return endpoint.node.clash.on;
+}
+
 /* --- firmware update -------------------------------------------------------------------------- */
 
 /* The image's next block, or the end. */
@@ -287,6 +318,7 @@ static void perform_update(void)
 static void perform(void)
 {
 	perform_node();
+	tell_clash();
 	perform_update();
 	if (out.tunnel_received) {
 		tunnel_links_put(&out.tunnel);
@@ -332,11 +364,15 @@ int64_t can_node_deadline_us(void)
 
 void can_node_status_get(struct can_node_status *status)
 {
+	_Static_assert(sizeof(status->other) == sizeof(endpoint.node.clash.unique_id), "a copy");
 	*status = (struct can_node_status){
 		.node_id = endpoint.transport.node_id,
 		.transport = endpoint.transport.stats,
 		.tunnel = endpoint.tunnel.stats,
 		.lights = endpoint.lights.stats,
 		.requests = endpoint.node.stats.requests,
+		.clash = endpoint.node.clash.on,
+		.is_other_named = endpoint.node.clash.is_named,
 	};
+	memcpy(status->other, endpoint.node.clash.unique_id, sizeof(status->other));
 }

@@ -21,7 +21,12 @@ struct can_node_status {
 	struct dronecan_tunnel_stats tunnel;
 	struct dronecan_lights_stats lights;
 	uint32_t requests;
+	bool clash;          /* another node has our id */
+	bool is_other_named; /* other: its unique id */
+	uint8_t other[DRONECAN_UNIQUE_ID_SIZE];
 };
+
+#define CAN_NODE_CLASH_TEXT_MAX sizeof("CAN node id 127 is another node's too")
 
 #ifdef CONFIG_CAN
 
@@ -42,6 +47,9 @@ int64_t can_node_deadline_us(void);
 void can_node_flush(void);
 
 void can_node_status_get(struct can_node_status *status);
+
+/* What people are to be told while another node has our id; false: none has. */
+bool can_node_clash_text(char text[CAN_NODE_CLASH_TEXT_MAX]);
 
 #else
 
@@ -68,6 +76,12 @@ static inline int64_t can_node_deadline_us(void)
 
 static inline void can_node_flush(void)
 {
+}
+
+static inline bool can_node_clash_text(char text[CAN_NODE_CLASH_TEXT_MAX])
+{
+	(void)text;
+	return false;
 }
 
 #endif

@@ -11,6 +11,7 @@
 
 #include "proto/mavlink/gimbal_service.h"
 #include "proto/mavlink/illuminator_service.h"
+#include "threads/can_node.h"
 #include "threads/clock.h"
 #include "threads/devices.h"
 #include "threads/firmware.h"
@@ -28,8 +29,9 @@ LOG_MODULE_REGISTER(mavlink);
 /* Until an acknowledged reboot: frames leave the wires, and settings reach the store. */
 #define REBOOT_DELAY_US 500000
 
-/* What has not started is told again: whoever listens may not have been there before. */
-#define START_FAILED_GAP_US (30 * US_PER_S)
+/* What has not started, or stands wrong, is told again: whoever listens may not have been there
+ * before. */
+#define TOLD_AGAIN_US (30 * US_PER_S)
 
 static struct pharos_device *device;
 static int64_t reboot_us = TIME_NEVER_US;
@@ -266,7 +268,7 @@ static void tell_startup(int64_t now_us)
 			return;
 		}
 		next = 0;
-		next_us = now_us + START_FAILED_GAP_US;
+		next_us = now_us + TOLD_AGAIN_US;
 	}
 	next = startup_failed(next);
 	if (next != STARTUP_STEPS) {
@@ -300,6 +302,18 @@ static void tell_driver_fault(int64_t now_us)
 	                      fault ? "Lamp driver reports a fault" : "Lamp driver is well again");
 }
 
+static void tell_clash(int64_t now_us)
+{
+	static int64_t next_us;
+	char text[MAVLINK_TEXT_BYTES];
+
+	_Static_assert(sizeof(text) >= CAN_NODE_CLASH_TEXT_MAX, "it fits");
+	if (now_us >= next_us && can_node_clash_text(text)) {
+		next_us = now_us + TOLD_AGAIN_US;
+		mavlink_endpoint_text(&endpoint, now_us, 4 /* MAV_SEVERITY_WARNING */, text);
+	}
+}
+
 void mavlink_node_step(void)
 {
 	const int64_t now_us = clock_now_us();
@@ -311,6 +325,7 @@ void mavlink_node_step(void)
 	tell_startup(now_us);
 	tell_storage_failure(now_us);
 	tell_driver_fault(now_us);
+	tell_clash(now_us);
 	mavlink_endpoint_step(&endpoint, now_us, &out);
 }
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import socket
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
@@ -33,3 +34,12 @@ def real_light(binary: Path, tmp_path: Path) -> Iterator[Callable[..., RealLight
             return light
 
         yield start
+
+
+@pytest.fixture
+def can_light(real_light: Callable[..., RealLight]) -> Iterator[tuple[RealLight, str]]:
+    """A light on a CAN bus of its own, and that bus for the command line."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as reserved:
+        reserved.bind(("127.0.0.1", 0))
+        channel = f"127.255.255.255:{reserved.getsockname()[1]}"
+        yield real_light("--can0", f"udp:{channel}"), f"pharos-udp/{channel}"

@@ -19,12 +19,10 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from dronecan import uavcan
 from prompt_toolkit.completion import CompleteEvent
 from prompt_toolkit.document import Document
 
 from pharos.cli import main, man
-from pharos.cli.can import Seen
 from pharos.cli.prompt import CommandCompleter
 from pharos.dialect import MODULE, generated_dialect, load_dialect
 from real_light import PATIENCE_S, PHAROS, RealLight, environment, run
@@ -194,40 +192,11 @@ def test_lights_that_call_are_waited_for(real_light: START) -> None:
 
 
 # --- CAN ------------------------------------------------------------------------------------------
-@pytest.fixture
-def can_light(real_light: START) -> Iterator[tuple[RealLight, str]]:
-    """A light on a CAN bus of its own, and that bus for the command line."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as reserved:
-        reserved.bind(("127.0.0.1", 0))
-        channel = f"127.255.255.255:{reserved.getsockname()[1]}"
-        yield real_light("--can0", f"udp:{channel}"), f"pharos-udp/{channel}"
-
-
 def test_commands_over_can(can_light: tuple[RealLight, str]) -> None:
     light, bus = can_light
     assert _code("shell", f"dronecan:{bus}?node=68", "-c", "on; brightness 40; status") == 0
     outputs = light.control.request("outputs")
     assert (outputs["enable"], outputs["brightness_ppm"]) == (1, 400_000)
-
-
-def test_nodes_lists_the_light(
-    can_light: tuple[RealLight, str], capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert _code("can", "nodes", can_light[1], "--json") == 0
-    node = json.loads(capsys.readouterr().out)
-    assert (node["node"], node["name"], node["health"]) == (68, "org.pharos.light", "ok")
-    assert len(node["unique_id"]) == 32
-
-
-@pytest.mark.parametrize(
-    ("flags", "told"), [(0, "software 1.2, "), (1, "software 1.2 (0badcafe), ")]
-)
-def test_commit_of_a_node_is_shown_if_it_tells_one(flags: int, told: str) -> None:
-    info = uavcan.protocol.GetNodeInfo.Response()
-    info.software_version.major, info.software_version.minor = 1, 2
-    info.software_version.optional_field_flags = flags
-    info.software_version.vcs_commit = 0x0BADCAFE
-    assert told in str(Seen(5, uavcan.protocol.NodeStatus(), info))
 
 
 def test_monitor_shows_decoded_transfers(

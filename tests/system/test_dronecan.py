@@ -13,7 +13,20 @@ from dronecan.app.dynamic_node_id import CentralizedServer
 from dronecan.app.node_monitor import NodeMonitor
 
 from dronecan_peer import PEER, Peer
-from harness import ACCEPTED, BUILD, BUS, CONSOLE, NODE, ON_OFF, Shell, of, set_over_can
+from harness import (
+    ACCEPTED,
+    BUILD,
+    BUS,
+    CONSOLE,
+    NODE,
+    ON_OFF,
+    WIRES,
+    Shell,
+    light_on,
+    of,
+    set_over_can,
+    texts,
+)
 from parameters import as_float, send_set
 from pharos import Simulator, Source, Tunnel
 
@@ -139,6 +152,32 @@ def test_transport_stats_count_without_errors(peer: Peer) -> None:
     assert stats.transfers_tx >= 6
     assert stats.transfer_errors == 0
     assert stats.can_iface_stats[0].errors == 0
+
+
+def test_another_node_with_our_id_is_told_everywhere_and_forgotten(start: Starts) -> None:
+    sim = start({"can0": BUS, "uart0": WIRES["udp"], "console": CONSOLE})
+    peer = Peer(sim)
+    shell = Shell(sim)
+    light = light_on(sim)
+    light.mav.heartbeat()
+    logs = peer.heard(uavcan.protocol.debug.LogMessage)
+    statuses = peer.heard(uavcan.protocol.NodeStatus)
+    peer.run(3_000_000)
+    assert statuses[-1].health == statuses[-1].HEALTH_OK
+    assert "another node" not in shell("can")
+
+    twin = sim.node(NODE)  # its unique id is of zeros
+    peer.run(3_000_000)
+    text = "CAN node id 68 is another node's too"
+    assert (log_level.WARNING, text) in [(log.level.value, str(log.text)) for log in logs]
+    assert text in texts(light.mav.pass_time(0))
+    assert f"another node has it too; its unique id: {'00' * 16}" in shell("can")
+    assert statuses[0].HEALTH_WARNING in {status.health for status in statuses[-4:]}
+
+    twin.close()
+    peer.run(11_000_000)
+    assert statuses[-1].health == statuses[-1].HEALTH_OK
+    assert "another node" not in shell("can")
 
 
 def test_allocator_gives_an_id_that_is_used_at_once(start: Starts) -> None:

@@ -5,7 +5,13 @@
 
 /* Everything this device listens to. */
 static const struct dronecan_subscription subscriptions[] = {
-	{.type = &dronecan_get_node_info_type, .kind = DRONECAN_REQUEST},
+	{.type = &dronecan_get_node_info_type, .kind = DRONECAN_REQUEST, .from = DRONECAN_FROM_ALL},
+	{.type = &dronecan_get_node_info_type,
+         .kind = DRONECAN_RESPONSE,
+         .from = DRONECAN_FROM_OWN_ID},
+	{.type = &dronecan_node_status_type,
+         .kind = DRONECAN_MESSAGE,
+         .from = DRONECAN_FROM_OWN_ID},
 	{.type = &dronecan_get_transport_stats_type, .kind = DRONECAN_REQUEST},
 	{.type = &dronecan_restart_node_type, .kind = DRONECAN_REQUEST},
 	{.type = &dronecan_param_get_set_type, .kind = DRONECAN_REQUEST},
@@ -64,14 +70,23 @@ void dronecan_endpoint_receive(struct dronecan_endpoint *self, int64_t now_us,
 	dronecan_firmware_receive(&self->firmware, now_us, &transfer, &out->firmware);
 }
 
+static uint8_t health(const struct dronecan_endpoint *self)
+{
+	const struct thermal_report *thermal = &self->lights.device->lamps[0].illuminator.thermal;
+
+	if (thermal->limit_ppm == 0 || thermal->dark) {
+		return DRONECAN_NODE_STATUS_HEALTH_ERROR;
+	}
+	return self->node.clash.on ? DRONECAN_NODE_STATUS_HEALTH_WARNING
+	                           : DRONECAN_NODE_STATUS_HEALTH_OK;
+}
+
 void dronecan_endpoint_report(struct dronecan_endpoint *self, int64_t now_us)
 {
 	const struct illuminator *illuminator = &self->lights.device->lamps[0].illuminator;
 	const struct thermal_report *thermal = &illuminator->thermal;
 	const struct dronecan_node_condition condition = {
-		.health = (thermal->limit_ppm == 0 || thermal->dark)
-	                          ? DRONECAN_NODE_STATUS_HEALTH_ERROR
-	                          : DRONECAN_NODE_STATUS_HEALTH_OK,
+		.health = health(self),
 		.mode = self->firmware.state == DRONECAN_FIRMWARE_IDLE
 	                        ? DRONECAN_NODE_STATUS_MODE_OPERATIONAL
 	                        : DRONECAN_NODE_STATUS_MODE_SOFTWARE_UPDATE,

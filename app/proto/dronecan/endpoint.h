@@ -60,8 +60,9 @@ void dronecan_endpoint_receive(struct dronecan_endpoint *self, int64_t now_us,
 /*
  * Looks at what the lamp is like now: becomes NodeStatus, hardpoint.Status and Temperature. After
  * whatever has changed it, and when the firmware's state has changed. The first call
- * makes the node OPERATIONAL. Health is ERROR while heat or a failed sensor allow no light at all;
- * the vendor specific code is ILLUMINATOR_ERROR_FLAGS. Mode SOFTWARE_UPDATE while an image is read.
+ * makes the node OPERATIONAL. Health is ERROR while heat or a failed sensor allow no light at all,
+ * else WARNING while another node has our id (node.clash.on: report again when it changes); the
+ * vendor specific code is ILLUMINATOR_ERROR_FLAGS. Mode SOFTWARE_UPDATE while an image is read.
  */
 void dronecan_endpoint_report(struct dronecan_endpoint *self, int64_t now_us);
 

@@ -34,6 +34,7 @@ void dronecan_node_init(struct dronecan_node *self, int64_t now_us,
 	self->condition.mode = DRONECAN_NODE_STATUS_MODE_INITIALIZATION;
 	self->status_us = now_us;
 	self->restart_us = TIME_NEVER_US;
+	dronecan_clash_init(&self->clash);
 	dronecan_allocation_init(&self->allocation, config->unique_id, config->preferred_id);
 	if (is_anonymous(self)) {
 		dronecan_allocation_start(&self->allocation, now_us, transport);
@@ -226,12 +227,16 @@ void dronecan_node_receive(struct dronecan_node *self, int64_t now_us,
 		allocation_received(self, now_us, transfer, out);
 		return;
 	}
+	dronecan_clash_receive(&self->clash, now_us, self->transport, self->config->unique_id,
+	                       transfer);
 	if (transfer->kind != DRONECAN_REQUEST) {
 		return;
 	}
 	self->stats.requests++;
 	if (transfer->type == &dronecan_get_node_info_type) {
-		get_node_info(self, now_us, transfer);
+		if (!dronecan_clash_delays(&self->clash, now_us, self->transport, transfer)) {
+			get_node_info(self, now_us, transfer);
+		}
 	} else if (transfer->type == &dronecan_get_transport_stats_type) {
 		get_transport_stats(self, now_us, transfer);
 	} else if (transfer->type == &dronecan_restart_node_type) {
@@ -248,6 +253,9 @@ void dronecan_node_step(struct dronecan_node *self, int64_t now_us,
 {
 	out->count = 0;
 	dronecan_allocation_step(&self->allocation, now_us, self->transport);
+	if (dronecan_clash_step(&self->clash, now_us, self->transport)) {
+		get_node_info(self, now_us, &self->clash.waiting);
+	}
 	if (!is_anonymous(self) && now_us >= self->status_us) {
 		send_status(self, now_us);
 		/* Keeps its phase, unless it was held up for more than a period. */
@@ -266,7 +274,11 @@ void dronecan_node_step(struct dronecan_node *self, int64_t now_us,
 int64_t dronecan_node_deadline_us(const struct dronecan_node *self)
 {
 	int64_t deadline_us = dronecan_allocation_deadline_us(&self->allocation);
+	const int64_t clash_us = dronecan_clash_deadline_us(&self->clash);
 
+	if (clash_us < deadline_us) {
+		deadline_us = clash_us;
+	}
 	if (!is_anonymous(self) && self->status_us < deadline_us) {
 		deadline_us = self->status_us;
 	}

@@ -6,7 +6,8 @@
  * Answers go to the transport, with the priority and the kind of frame (classic, FD) of the
  * request; what the rest of the firmware has to do comes back in the outbox.
  *
- * Health is for what makes the light unusable: autopilots refuse to arm while it is not OK.
+ * Health is for what makes the light unusable, or its bus: autopilots refuse to arm while it is not
+ * OK.
  * Throttling and the like belong into the vendor specific code.
  *
  * Context: the thread that owns it, no locks inside.
@@ -16,6 +17,7 @@
 
 #include "core/device.h"
 #include "proto/dronecan/allocation.h"
+#include "proto/dronecan/clash.h"
 #include "proto/dronecan/transport.h"
 
 #include <stdbool.h>
@@ -71,6 +73,7 @@ struct dronecan_node {
 	struct dronecan_transport *transport;
 	struct pharos_device *device;
 	struct dronecan_allocation allocation;
+	struct dronecan_clash clash;
 	struct dronecan_node_condition condition;
 	struct dronecan_node_stats stats;
 	int64_t status_us;  /* the next NodeStatus */

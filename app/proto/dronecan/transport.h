@@ -60,6 +60,13 @@ struct dronecan_transfer {
 	size_t size;
 };
 
+/* Whose transfers are taken. Our own id can only be another node's: clash.h. */
+enum dronecan_from {
+	DRONECAN_FROM_OTHERS,
+	DRONECAN_FROM_ALL,
+	DRONECAN_FROM_OWN_ID,
+};
+
 /*
  * is_ours: NULL, or looks at the payload's part in the first frame and says whether the transfer
  * concerns this node. One that does not takes no buffer.
@@ -67,6 +74,7 @@ struct dronecan_transfer {
 struct dronecan_subscription {
 	const struct dronecan_type *type;
 	enum dronecan_kind kind;
+	enum dronecan_from from;
 	bool (*is_ours)(uint8_t node_id, const uint8_t *payload, size_t size);
 };
 

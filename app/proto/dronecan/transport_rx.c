@@ -101,11 +101,15 @@ static bool parse(const struct dronecan_frame *frame, struct header *out)
 	return out->end || frame->size > (out->start ? CRC_SIZE : 0u) + 1u;
 }
 
-static int find_subscription(const struct dronecan_transport *self, const struct header *header)
+static int find_subscription(const struct dronecan_transport *self, const struct header *header,
+                             bool is_own_id)
 {
+	const enum dronecan_from not_from = is_own_id ? DRONECAN_FROM_OTHERS : DRONECAN_FROM_OWN_ID;
+
 	for (size_t i = 0; i < self->subscriptions_count; i++) {
 		if (self->subscriptions[i].kind == header->kind &&
-		    self->subscriptions[i].type->id == header->type_id) {
+		    self->subscriptions[i].type->id == header->type_id &&
+		    self->subscriptions[i].from != not_from) {
 			return (int)i;
 		}
 	}
@@ -479,14 +483,13 @@ bool dronecan_transport_receive(struct dronecan_transport *self, int64_t now_us,
 		self->stats.rx_malformed++;
 		return false;
 	}
-	if (header.source != 0 && header.source == self->node_id) {
-		self->stats.rx_own_id++;
-		return false;
-	}
+	const bool is_own_id = header.source != 0 && header.source == self->node_id;
+
+	self->stats.rx_own_id += is_own_id ? 1u : 0u;
 	if (header.kind != DRONECAN_MESSAGE && header.target != self->node_id) {
 		return false;
 	}
-	const int subscription = find_subscription(self, &header);
+	const int subscription = find_subscription(self, &header, is_own_id);
 
 	if (subscription == NONE) {
 		return false;

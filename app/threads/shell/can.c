@@ -5,6 +5,7 @@
 #include <errno.h>
 
 #include <zephyr/shell/shell.h>
+#include <zephyr/sys/printk.h>
 
 #include "threads/can_link.h"
 #include "threads/can_node.h"
@@ -57,6 +58,20 @@ static unsigned int count(uint64_t value)
 	return (unsigned int)value;
 }
 
+/* Two nodes with one id: people must give one of them another. */
+static void print_clash(const struct shell *sh, const struct can_node_status *now)
+{
+	char unique_id[2 * DRONECAN_UNIQUE_ID_SIZE + 1] = "not known";
+
+	if (!now->clash) {
+		return;
+	}
+	for (size_t i = 0; now->is_other_named && i < DRONECAN_UNIQUE_ID_SIZE; i++) {
+		snprintk(&unique_id[2 * i], 3, "%02x", now->other[i]);
+	}
+	shell_warn(sh, "%-14sanother node has it too; its unique id: %s", "", unique_id);
+}
+
 static int cmd_can(const struct shell *sh, size_t argc, char **argv)
 {
 	struct can_node_status now;
@@ -73,6 +88,7 @@ static int cmd_can(const struct shell *sh, size_t argc, char **argv)
 	} else {
 		shell_print(sh, "%-14s%u", "node id", now.node_id);
 	}
+	print_clash(sh, &now);
 	shell_can_print(sh);
 	shell_print(sh, "%-14srx %u, tx %u", "transfers", count(now.transport.transfers_rx),
 	            count(now.transport.transfers_tx));

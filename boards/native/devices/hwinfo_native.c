@@ -4,7 +4,7 @@
 
 #include <zephyr/drivers/hwinfo.h>
 
-#include "host/prng.h"
+#include "host/device_id.h"
 #include "host/reset.h"
 
 _Static_assert(RESET_PIN == RESET_CAUSE_PIN && RESET_SOFTWARE == RESET_CAUSE_SOFTWARE &&
@@ -16,12 +16,9 @@ _Static_assert(RESET_PIN == RESET_CAUSE_PIN && RESET_SOFTWARE == RESET_CAUSE_SOF
 
 ssize_t hwinfo_get_device_id(uint8_t *buffer, size_t length)
 {
-	struct prng prng;
-	uint64_t id;
+	const uint64_t id = device_id();
 	const size_t n = length < sizeof(id) ? length : sizeof(id);
 
-	prng_init(&prng, "hwinfo");
-	id = prng_next(&prng);
 	memcpy(buffer, &id, n);
 	return (ssize_t)n;
 }

@@ -4,10 +4,16 @@
 #include "host/module.h"
 
 static uint64_t seed = 1;
+static bool is_seeded;
 
 uint64_t prng_seed(void)
 {
 	return seed;
+}
+
+bool prng_is_seeded(void)
+{
+	return is_seeded;
 }
 
 uint64_t prng_next(struct prng *prng)
@@ -39,6 +45,7 @@ bool prng_chance(struct prng *prng, uint32_t ppm)
 
 static int parse_seed(const char *value, struct host_error *error)
 {
+	is_seeded = true;
 	return parse_number(value, 0, UINT64_MAX, &seed, error);
 }
 

@@ -17,6 +17,9 @@ struct prng {
 /* The value of --seed; 1 when it was not given. */
 uint64_t prng_seed(void);
 
+/* It was given. */
+bool prng_is_seeded(void);
+
 void prng_init(struct prng *prng, const char *name);
 
 uint64_t prng_next(struct prng *prng);

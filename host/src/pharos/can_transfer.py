@@ -131,7 +131,8 @@ class _Session:
     active: bool = False
     payload: bytes = b""
     updated_us: int = 0
-    finished: tuple[int, int] | None = None  # transfer id, time
+    first: bytes = b""  # the first frame's data, its tail byte included
+    finished: tuple[bytes, int] | None = None  # first frame, time
 
 
 class Assembler:
@@ -156,7 +157,7 @@ class Assembler:
         if tail & START:
             if session.active:
                 self._drop(session)
-            if not self._begin(session, now_us, tail):
+            if not self._begin(session, now_us, data):
                 return None
         elif (
             not session.active
@@ -179,22 +180,25 @@ class Assembler:
         if not tail & END:
             return None
         session.active = False
-        session.finished = (session.transfer_id, now_us)
+        session.finished = (session.first, now_us)
         return self._finish(session, parse_identifier(identifier), bool(tail & START), fd)
 
     def _drop(self, session: _Session) -> None:
         session.active = False
         self.errors += 1
 
-    def _begin(self, session: _Session, now_us: int, tail: int) -> bool:
+    def _begin(self, session: _Session, now_us: int, data: bytes) -> bool:
+        tail = data[-1]
         if tail & TOGGLE:
             self.errors += 1
             return False
-        last_id, last_us = session.finished or (-1, 0)
-        if last_id == tail & TID_MASK and now_us - last_us <= TIMEOUT_US:
+        # With other data (its CRC is among them) it is another's: two nodes have one id.
+        last, last_us = session.finished or (b"", 0)
+        if last == data and now_us - last_us <= TIMEOUT_US:
             self.repeated += 1
             return False
         session.active = True
+        session.first = data
         session.transfer_id = tail & TID_MASK
         session.expects_toggle = 0
         session.payload = b""

@@ -12,6 +12,7 @@
 #include "devices/bridge.h"
 #include "host/carry.h"
 #include "host/control.h"
+#include "host/device_id.h"
 #include "host/kept_file.h"
 #include "host/module.h"
 #include "host/say.h"
@@ -312,6 +313,7 @@ static int open_file(void)
 		host_say("--settings: %s", error.text);
 		return -1;
 	}
+	device_id_keep_with(path);
 	return 0;
 }
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import can
@@ -121,7 +121,16 @@ class Seen:
     node: int
     status: Any
     info: Any = None
-    asked: int = field(default=0)
+    heard_us: int = 0
+    is_clash: bool = False  # another node has the same id
+
+    def unique_id(self) -> bytes | None:
+        return None if self.info is None else bytes(list(self.info.hardware_version.unique_id))
+
+    def may_say(self, uptime_s: int, now_us: int) -> bool:
+        """Whether its next NodeStatus could have that uptime."""
+        expected_s = int(self.status.uptime_sec) + (now_us - self.heard_us) / 1e6
+        return abs(uptime_s - expected_s) < 2
 
     def as_fields(self) -> dict[str, Any]:
         status, info = self.status, self.info
@@ -131,6 +140,7 @@ class Seen:
             "mode": MODE.get(int(status.mode), str(status.mode)),
             "uptime_s": int(status.uptime_sec),
             "vendor_code": int(status.vendor_specific_status_code),
+            "clash": self.is_clash,
         }
         if info is None:
             return fields | {"name": None}
@@ -141,7 +151,7 @@ class Seen:
             "software": f"{software.major}.{software.minor}",
             "commit": f"{software.vcs_commit:08x}" if has_commit else None,
             "hardware": f"{hardware.major}.{hardware.minor}",
-            "unique_id": bytes(list(hardware.unique_id)).hex(),
+            "unique_id": (self.unique_id() or b"").hex(),
         }
 
     def __str__(self) -> str:
@@ -151,30 +161,82 @@ class Seen:
             commit = f" ({fields['commit']})" if fields["commit"] else ""
             versions = f"software {fields['software']}{commit}, hardware {fields['hardware']}"
         code = f", code {fields['vendor_code']}" if fields["vendor_code"] else ""
+        clash = f"; node id {self.node} is used twice" if self.is_clash else ""
+        if self.is_clash and self.info is not None:
+            clash += f", here by {fields['unique_id']}"
         return (
             f"{self.node:>3}  {fields['name'] or '?':<28} {fields['health']}, {fields['mode']}"
-            f"{code}, up {fields['uptime_s']} s, {versions}"
+            f"{code}, up {fields['uptime_s']} s, {versions}{clash}"
         )
 
 
-def find_nodes(node: DronecanNode, pacer: Pacer, timeout_us: int) -> list[Seen]:
-    """Every node heard within the time, with its answer to GetNodeInfo."""
-    seen: dict[int, Seen] = {}
+class Census:
+    """Every node heard, with its answer to GetNodeInfo. Two that have one id are told apart by
+    their uptimes, and by their unique ids."""
 
-    def on_status(transfer: Transfer) -> None:
+    def __init__(self, node: DronecanNode) -> None:
+        self._node = node
+        self._seen: dict[int, list[Seen]] = {}
+        node.monitors.append(self._on_transfer)
+
+    def found(self) -> list[Seen]:
+        return [entry for number in sorted(self._seen) for entry in self._seen[number]]
+
+    def _on_transfer(self, transfer: Transfer) -> None:
         source = transfer.header.source
-        entry = seen.setdefault(source, Seen(source, transfer.message))
-        entry.status = transfer.message
-        # NodeStatus comes at 1 Hz, so a lost question is asked again.
-        if entry.info is None and node.node_id:
-            request = uavcan.protocol.GetNodeInfo.Request()
-            node.request(request, source, lambda info: setattr(entry, "info", info))
+        if transfer.kind is uavcan.protocol.NodeStatus and source:
+            self._on_status(source, transfer.message)
+        elif transfer.kind is uavcan.protocol.GetNodeInfo and not transfer.header.is_request:
+            self._on_info(source, transfer.message)
 
-    node.subscribe(uavcan.protocol.NodeStatus, on_status)
+    def _add(self, entry: Seen) -> None:
+        entries = self._seen.setdefault(entry.node, [])
+        entries.append(entry)
+        for each in entries:
+            each.is_clash = len(entries) > 1
+
+    def _on_status(self, source: int, status: Any) -> None:
+        now_us = self._node.clock()
+        uptime_s = int(status.uptime_sec)
+        for entry in self._seen.get(source, []):
+            if entry.may_say(uptime_s, now_us):
+                entry.status, entry.heard_us = status, now_us
+                break
+        else:
+            self._add(Seen(source, status, heard_us=now_us))
+        # NodeStatus comes at 1 Hz: a lost question is asked again, and who has the same id may
+        # answer the next one.
+        if self._node.node_id:
+            request = uavcan.protocol.GetNodeInfo.Request()
+            self._node.request(request, source, lambda _info: None)
+
+    def _on_info(self, source: int, info: Any) -> None:
+        """An answer carries its node's status, hence its uptime."""
+        entry = Seen(source, info.status, info, self._node.clock())
+        entries = self._seen.get(source, [])
+        uptime_s = int(info.status.uptime_sec)
+        unnamed = next(
+            (e for e in entries if e.info is None and e.may_say(uptime_s, entry.heard_us)), None
+        )
+        known = next((e for e in entries if e.unique_id() == entry.unique_id()), None)
+        if unnamed is None:
+            if known is None:
+                self._add(entry)
+        elif known is None:
+            unnamed.info = info
+        else:  # it was reset meanwhile
+            entries.remove(unnamed)
+            known.status, known.heard_us = info.status, entry.heard_us
+            known.is_clash = len(entries) > 1
+
+
+def find_nodes(node: DronecanNode, pacer: Pacer, timeout_us: int) -> list[Seen]:
+    """Every node heard within the time."""
+    census = Census(node)
     end = node.clock() + timeout_us
     while (left := end - node.clock()) > 0:
         pacer.pump(min(left, 100_000))
-    return [seen[number] for number in sorted(seen)]
+    return census.found()
 
 
 def run_nodes(args: argparse.Namespace, printer: Printer) -> None:
