@@ -10,11 +10,6 @@ static bool can_command(enum arbiter_source source)
 	return source >= ARBITER_SOURCE_MAVLINK && source <= ARBITER_SOURCE_SHELL;
 }
 
-static bool is_excluded(const struct arbiter *self, enum arbiter_source source)
-{
-	return (self->config.excluded & ARBITER_SOURCE_BIT(source)) != 0;
-}
-
 void arbiter_configure(struct arbiter *self, const struct arbiter_config *config)
 {
 	PHAROS_ASSERT(config->priority == ARBITER_SOURCE_NONE || can_command(config->priority));
@@ -32,35 +27,17 @@ void arbiter_init(struct arbiter *self, const struct arbiter_config *config)
 	arbiter_configure(self, config);
 }
 
-/* Whether the priority source's last command still holds the others off. */
-static bool is_outranked(const struct arbiter *self, int64_t now_us, enum arbiter_source source)
-{
-	const enum arbiter_source priority = self->config.priority;
-
-	return priority != ARBITER_SOURCE_NONE && source != priority &&
-	       !is_excluded(self, priority) && self->ranked_us != NEVER_YET &&
-	       now_us - self->ranked_us < self->config.hold_us;
-}
-
-enum arbiter_verdict arbiter_check(struct arbiter *self, int64_t now_us, enum arbiter_source source)
+bool arbiter_is_outranked(const struct arbiter *self, int64_t now_us, enum arbiter_source source)
 {
 	PHAROS_ASSERT(can_command(source));
 	PHAROS_ASSERT(now_us >= 0 && now_us <= TIME_MAX_US);
-	enum arbiter_verdict verdict = ARBITER_GRANTED;
-
-	if (is_excluded(self, source)) {
-		verdict = ARBITER_EXCLUDED;
-	} else if (is_outranked(self, now_us, source)) {
-		verdict = ARBITER_OUTRANKED;
-	}
-	self->stats.refused[source] += (verdict == ARBITER_GRANTED) ? 0u : 1u;
-	return verdict;
+	return source != self->config.priority && self->ranked_us != NEVER_YET &&
+	       now_us - self->ranked_us < self->config.hold_us;
 }
 
 void arbiter_commit(struct arbiter *self, int64_t now_us, enum arbiter_source source)
 {
 	arbiter_heard(self, now_us, source);
-	self->stats.granted[source]++;
 	self->commander = source;
 	self->commanded_us = now_us;
 	if (source == self->config.priority) {
@@ -72,9 +49,6 @@ void arbiter_heard(struct arbiter *self, int64_t now_us, enum arbiter_source sou
 {
 	PHAROS_ASSERT(can_command(source));
 	PHAROS_ASSERT(now_us >= 0 && now_us <= TIME_MAX_US);
-	if (is_excluded(self, source)) {
-		return; /* it could not command, so it is no sign of a commander */
-	}
 	self->heard_us = now_us;
 	self->lost = false;
 }
@@ -93,7 +67,6 @@ bool arbiter_advance(struct arbiter *self, int64_t now_us)
 		return false;
 	}
 	self->lost = true;
-	self->stats.losses++;
 	if (self->config.fallback != ILLUMINATOR_FALLBACK_KEEP) {
 		self->commander = ARBITER_SOURCE_FALLBACK;
 		self->commanded_us = now_us;

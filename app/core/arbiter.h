@@ -3,8 +3,8 @@
  * Who may command the light, who does, and whether anyone is still there.
  *
  * The last command wins. A source with priority outranks the others for hold_us after each command
- * of its own. An excluded source is refused always. Refusals change nothing but counters.
- * Use: arbiter_check before a command is carried out, arbiter_commit once it was ACCEPTED.
+ * of its own. Use: arbiter_is_outranked before a command is carried out, arbiter_commit once it was
+ * ACCEPTED. Who may command at all is security.h's to say, and has been asked before.
  *
  * Link loss: from the first sign of life of any commander on (arbiter_heard or arbiter_commit),
  * a silence of all of them for loss_us is a loss, told once; the next sign of life ends it.
@@ -30,33 +30,19 @@ enum arbiter_source {
 };
 #define ARBITER_SOURCES 6
 
-/* Bit of a source that can command, in LGT_SRC_EXCL and arbiter_config.excluded. */
+/* Bit of a source that can command, in LGT_SRC_EXCL. */
 #define ARBITER_SOURCE_BIT(source) (1u << ((source)-ARBITER_SOURCE_MAVLINK))
 
-enum arbiter_verdict {
-	ARBITER_GRANTED,
-	ARBITER_EXCLUDED,  /* by parameter: DENIED on the wire */
-	ARBITER_OUTRANKED, /* for now: TEMPORARILY_REJECTED on the wire */
-};
-
-/* priority: NONE or MAVLINK…SHELL. excluded: ARBITER_SOURCE_BITs. loss_us 0: never. */
+/* priority: NONE or MAVLINK…SHELL. loss_us 0: never. */
 struct arbiter_config {
 	enum arbiter_source priority;
 	enum illuminator_fallback fallback;
-	uint32_t excluded;
 	int64_t hold_us;
 	int64_t loss_us;
 };
 
-struct arbiter_stats {
-	uint32_t granted[ARBITER_SOURCES];
-	uint32_t refused[ARBITER_SOURCES];
-	uint32_t losses;
-};
-
 struct arbiter {
 	struct arbiter_config config;
-	struct arbiter_stats stats;
 	enum arbiter_source commander; /* NONE at start */
 	int64_t commanded_us;          /* when the commander last did */
 	int64_t ranked_us;             /* when the priority source last did; -1: never */
@@ -68,11 +54,13 @@ struct arbiter {
 void arbiter_init(struct arbiter *self, const struct arbiter_config *config);
 void arbiter_configure(struct arbiter *self, const struct arbiter_config *config);
 
-/* source MAVLINK…SHELL (asserted), here and below. Counts refusals. now_us 0…TIME_MAX_US. */
-enum arbiter_verdict arbiter_check(struct arbiter *self, int64_t now_us,
-                                   enum arbiter_source source);
+/*
+ * Does the priority source's last command hold this one off for now? source MAVLINK…SHELL
+ * (asserted), here and below. now_us 0…TIME_MAX_US.
+ */
+bool arbiter_is_outranked(const struct arbiter *self, int64_t now_us, enum arbiter_source source);
 
-/* The command that check granted was ACCEPTED: source is in command now. */
+/* Its command was ACCEPTED: source is in command now. */
 void arbiter_commit(struct arbiter *self, int64_t now_us, enum arbiter_source source);
 
 /* A sign of life that is no command: a heartbeat of a ground station, a shell line, … */

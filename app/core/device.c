@@ -179,7 +179,7 @@ static bool is_anothers(const struct arbiter *arbiter, enum arbiter_source sourc
 }
 
 /* May this source do this now? */
-static enum device_result check(struct pharos_device *self, struct arbiter *arbiter,
+static enum device_result check(const struct pharos_device *self, struct arbiter *arbiter,
                                 const struct request *request)
 {
 	const enum arbiter_source source = security_source(request->who->way);
@@ -191,15 +191,8 @@ static enum device_result check(struct pharos_device *self, struct arbiter *arbi
 		arbiter_heard(arbiter, request->now_us, source);
 		return DEVICE_KEPT;
 	}
-	switch (arbiter_check(arbiter, request->now_us, source)) {
-	case ARBITER_GRANTED:
-		break;
-	case ARBITER_EXCLUDED:
-		return DEVICE_EXCLUDED;
-	case ARBITER_OUTRANKED:
-		return DEVICE_OUTRANKED;
-	}
-	return DEVICE_ACCEPTED;
+	return arbiter_is_outranked(arbiter, request->now_us, source) ? DEVICE_OUTRANKED
+	                                                              : DEVICE_ACCEPTED;
 }
 
 /* carry_out decides whole and applies whole; then the source is in command. */

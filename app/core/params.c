@@ -111,12 +111,6 @@ enum params_result params_get(const struct params *self, uint32_t index, int32_t
 	return PARAMS_OK;
 }
 
-enum params_result params_get_by_name(const struct params *self, const char *name, size_t length,
-                                      int32_t *value)
-{
-	return params_get(self, params_find(name, length), value);
-}
-
 static enum params_result decide(const struct params *self, uint32_t index, int32_t value)
 {
 	if (index >= PARAM_COUNT) {
@@ -151,12 +145,6 @@ enum params_result params_set(struct params *self, uint32_t index, int32_t value
 		param_set_add(changed, index);
 	}
 	return result;
-}
-
-enum params_result params_set_by_name(struct params *self, const char *name, size_t length,
-                                      int32_t value, struct param_set *changed)
-{
-	return params_set(self, params_find(name, length), value, changed);
 }
 
 static void to_default(struct params *self, uint32_t index, struct param_set *changed)
@@ -438,10 +426,14 @@ void params_thruster(const struct params *self, struct thruster_config *config)
 
 void params_arbiter(const struct params *self, struct arbiter_config *config)
 {
+	const enum arbiter_source priority = (enum arbiter_source)self->values[PARAM_LGT_SRC_PRIO];
+	const bool is_excluded =
+		priority != ARBITER_SOURCE_NONE &&
+		(unsigned_value(self, PARAM_LGT_SRC_EXCL) & ARBITER_SOURCE_BIT(priority)) != 0;
+
 	*config = (struct arbiter_config){
-		.priority = (enum arbiter_source)self->values[PARAM_LGT_SRC_PRIO],
+		.priority = is_excluded ? ARBITER_SOURCE_NONE : priority,
 		.fallback = (enum illuminator_fallback)self->values[PARAM_LGT_FALLBACK],
-		.excluded = unsigned_value(self, PARAM_LGT_SRC_EXCL),
 		.hold_us = ms_as_us(self, PARAM_LGT_SRC_HOLD),
 		.loss_us = ms_as_us(self, PARAM_LGT_LOSS_MS),
 	};

@@ -111,14 +111,10 @@ uint32_t params_find(const char *name, size_t length);
 
 /* UNKNOWN: *value is untouched. */
 enum params_result params_get(const struct params *self, uint32_t index, int32_t *value);
-enum params_result params_get_by_name(const struct params *self, const char *name, size_t length,
-                                      int32_t *value);
 
 /* *changed: what changed; nothing when refused or when it was that value already. */
 enum params_result params_set(struct params *self, uint32_t index, int32_t value,
                               struct param_set *changed);
-enum params_result params_set_by_name(struct params *self, const char *name, size_t length,
-                                      int32_t value, struct param_set *changed);
 
 /* A read-only one (asserted) is now this, within its range (asserted). */
 void params_tell(struct params *self, enum param_id id, int32_t value);
@@ -156,6 +152,7 @@ void params_sync(const struct params *self, struct sync_config *config);
 #ifdef CONFIG_PHAROS_IMC
 void params_thruster(const struct params *self, struct thruster_config *config);
 #endif
+/* A source that is excluded has no priority. */
 void params_arbiter(const struct params *self, struct arbiter_config *config);
 
 /* What the security table takes of the parameters; has_key stays. */

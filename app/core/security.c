@@ -79,19 +79,3 @@ enum security_verdict security_check(const struct security *self, enum security_
 	}
 	return SECURITY_GRANTED;
 }
-
-const char *security_verdict_name(enum security_verdict verdict)
-{
-	switch (verdict) {
-	case SECURITY_GRANTED:
-		return "granted";
-	case SECURITY_EXCLUDED:
-		return "this source is excluded (LGT_SRC_EXCL)";
-	case SECURITY_NO_KEY:
-		return "not signed with the device's key";
-	case SECURITY_FORBIDDEN:
-		return "not over this way";
-	}
-	PHAROS_ASSERT(false);
-	return "";
-}

@@ -77,7 +77,4 @@ enum security_verdict security_check(const struct security *self, enum security_
 /* Whom a way counts as in the arbiter. */
 enum arbiter_source security_source(enum security_way way);
 
-/* For people, constant and never NULL: "excluded", "not signed", … */
-const char *security_verdict_name(enum security_verdict verdict);
-
 #endif

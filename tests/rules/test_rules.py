@@ -133,8 +133,8 @@ OUTPUTS = {"power.c", "shutdown.c", "thruster.c", "focus.c", "display.c"}
 BEHIND_THE_DOOR = {
     "illuminator.c": "illuminator_step",
     "gimbal.c": "gimbal_(step|advance)",
-    "arbiter.c": "arbiter_(check|commit|heard|configure|advance)",
-    "params.c": "params_(set|set_by_name|reset|tell)",
+    "arbiter.c": "arbiter_(commit|heard|configure|advance)",
+    "params.c": "params_(set|reset|tell)",
     "self_test.c": "self_test_(begin|step|cancel|driver)",
     "actuators.c": "actuators_(step|advance|set_[a-z]+)",
     "power.c": "power_(command|advance)",

@@ -52,7 +52,7 @@ void mavlink_framer_init(struct mavlink_framer *self)
 	self->opaque = false;
 }
 
-uint8_t *mavlink_framer_reserve(struct mavlink_framer *self, size_t *room)
+size_t mavlink_framer_write(struct mavlink_framer *self, const uint8_t *bytes, size_t count)
 {
 	const uint16_t from = (uint16_t)(self->head - self->behind);
 
@@ -61,24 +61,12 @@ uint8_t *mavlink_framer_reserve(struct mavlink_framer *self, size_t *room)
 		self->tail = (uint16_t)(self->tail - from);
 		self->head = self->behind;
 	}
-	*room = (size_t)(MAVLINK_FRAMER_WINDOW - self->tail);
-	return self->window + self->tail;
-}
 
-void mavlink_framer_commit(struct mavlink_framer *self, size_t count)
-{
-	PHAROS_ASSERT(count <= (size_t)(MAVLINK_FRAMER_WINDOW - self->tail));
-	self->tail = (uint16_t)(self->tail + count);
-}
-
-size_t mavlink_framer_write(struct mavlink_framer *self, const uint8_t *bytes, size_t count)
-{
-	size_t room;
-	uint8_t *at = mavlink_framer_reserve(self, &room);
+	const size_t room = (size_t)(MAVLINK_FRAMER_WINDOW - self->tail);
 	const size_t taken = count < room ? count : room;
 
-	memcpy(at, bytes, taken);
-	mavlink_framer_commit(self, taken);
+	memcpy(self->window + self->tail, bytes, taken);
+	self->tail = (uint16_t)(self->tail + taken);
 	return taken;
 }
 

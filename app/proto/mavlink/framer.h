@@ -52,14 +52,10 @@ struct mavlink_framer {
 void mavlink_framer_init(struct mavlink_framer *self);
 
 /*
- * Where to put bytes, and how many may follow (*room); then tell how many came. For drivers that
- * copy themselves. Once mavlink_framer_next has returned false, room is at least MAVLINK_FRAME_MAX,
- * with opaque at least 1. Frames handed out before are no longer valid.
+ * Copies as many bytes as have room, and returns how many. Once mavlink_framer_next has returned
+ * false there is room for MAVLINK_FRAME_MAX, with opaque for one. Frames handed out before are no
+ * longer valid.
  */
-uint8_t *mavlink_framer_reserve(struct mavlink_framer *self, size_t *room);
-void mavlink_framer_commit(struct mavlink_framer *self, size_t count);
-
-/* Both in one: copies as many bytes as have room, and returns how many. */
 size_t mavlink_framer_write(struct mavlink_framer *self, const uint8_t *bytes, size_t count);
 
 /* The next verified frame, valid until bytes are written. false: more bytes are needed. */

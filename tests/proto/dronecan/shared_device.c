@@ -110,7 +110,7 @@ int32_t device_param(const char *name)
 {
 	int32_t value = 0;
 
-	params_get_by_name(&device.params, name, strlen(name), &value);
+	params_get(&device.params, params_find(name, strlen(name)), &value);
 	return value;
 }
 

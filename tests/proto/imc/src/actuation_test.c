@@ -134,17 +134,16 @@ ZTEST(imc_actuation, test_indicator_and_unknown_leds)
 
 ZTEST(imc_actuation, test_heat_and_the_arbiter_win_over_a_brightness)
 {
-	const struct arbiter_config excluded = {.excluded = ARBITER_SOURCE_BIT(ARBITER_SOURCE_IMC)};
 	const struct illuminator_event hot = {
 		.kind = ILLUMINATOR_EVENT_THERMAL,
 		.thermal = {.state = THERMAL_STATE_SHUTDOWN},
 	};
 	struct illuminator_outbox ignored;
 
-	arbiter_configure(arbiter, &excluded);
+	device.security.excluded = ARBITER_SOURCE_BIT(ARBITER_SOURCE_IMC);
 	zassert_equal(set_led("lamp", 50), IMC_ACTUATION_REFUSED);
 	expect_led("lamp", 0);
-	arbiter_configure(arbiter, &(struct arbiter_config){.excluded = 0});
+	device.security.excluded = 0;
 	zassert_equal(set_led("lamp", 50), IMC_ACTUATION_DONE);
 	illuminator_step(light, 0, &hot, &ignored);
 	tell((struct imc_message){.id = IMC_QUERY_LED_BRIGHTNESS,
@@ -395,8 +394,9 @@ ZTEST(imc_actuation, test_lamp_goes_out_with_its_power)
 	zassert_equal(power_outputs(&device.actuators.power), 0x07);
 	zassert_false(light->settings.enable, "dark until commanded");
 	zassert_equal(set_led("lamp", 255), IMC_ACTUATION_DONE);
-	arbiter_configure(arbiter, &(struct arbiter_config){
-					   .excluded = ARBITER_SOURCE_BIT(ARBITER_SOURCE_IMC)});
+	arbiter_configure(arbiter,
+	                  &(struct arbiter_config){.priority = ARBITER_SOURCE_SHELL, .hold_us = S});
+	arbiter_commit(arbiter, now_us, ARBITER_SOURCE_SHELL);
 	zassert_equal(channel("lamp", IMC_CHANNEL_OFF, 0), IMC_ACTUATION_REFUSED);
 	zassert_equal(channel("camera", IMC_CHANNEL_OFF, 0), IMC_ACTUATION_DONE);
 	zassert_true(light->settings.enable);

@@ -176,13 +176,14 @@ ZTEST(mavlink_gimbal, test_mount_configure_retracts_and_refuses)
 
 ZTEST(mavlink_gimbal, test_who_may_not_point_is_told)
 {
-	struct arbiter_config config = {.excluded = ARBITER_SOURCE_BIT(ARBITER_SOURCE_MAVLINK)};
+	const struct arbiter_config config = {.priority = ARBITER_SOURCE_DRONECAN,
+	                                      .hold_us = SECOND};
 
-	arbiter_configure(gimbal_arbiter, &config);
+	device.security.excluded = ARBITER_SOURCE_BIT(ARBITER_SOURCE_MAVLINK);
 	zassert_equal(ORDER(205, 10, 0, 10, 0, 0, 0, 2), MAV_RESULT_DENIED);
 	set_attitude((struct setpoint){.q = {H, 0, 0, H}, .rates = NO_RATES});
 	zassert_equal(its.stats.refused, 1);
-	config = (struct arbiter_config){.priority = ARBITER_SOURCE_DRONECAN, .hold_us = SECOND};
+	device.security.excluded = 0;
 	arbiter_configure(gimbal_arbiter, &config);
 	arbiter_commit(gimbal_arbiter, now_us, ARBITER_SOURCE_DRONECAN);
 	zassert_equal(ORDER(205, 10, 0, 10, 0, 0, 0, 2), MAV_RESULT_TEMPORARILY_REJECTED);

@@ -175,10 +175,7 @@ ZTEST(mavlink_illuminator, test_a_change_by_another_is_reported_instead_of_the_e
 
 ZTEST(mavlink_illuminator, test_an_excluded_source_is_denied)
 {
-	const struct arbiter_config config = {.excluded =
-	                                              ARBITER_SOURCE_BIT(ARBITER_SOURCE_MAVLINK)};
-
-	arbiter_configure(arbiter, &config);
+	device.security.excluded = ARBITER_SOURCE_BIT(ARBITER_SOURCE_MAVLINK);
 	zassert_equal(COMMAND(405, 1), MAV_RESULT_DENIED);
 	zassert_equal(COMMAND(406, 1, 50, 0, 0), MAV_RESULT_DENIED);
 	zassert_false(light->settings.enable);

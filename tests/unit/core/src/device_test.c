@@ -93,9 +93,7 @@ static void report(enum thermal_state state, enum thermal_sensor sensor)
 static void forget_counters(struct pharos_device *its)
 {
 	memset(&its->lamps[0].illuminator.stats, 0, sizeof(its->lamps[0].illuminator.stats));
-	memset(&its->lamps[0].arbiter.stats, 0, sizeof(its->lamps[0].arbiter.stats));
 	memset(&its->gimbal.stats, 0, sizeof(its->gimbal.stats));
-	memset(&its->gimbal_arbiter.stats, 0, sizeof(its->gimbal_arbiter.stats));
 }
 
 static void remember(void)

@@ -18,7 +18,7 @@ ZTEST_SUITE(core_params, NULL, NULL, before, NULL, NULL);
 
 static enum params_result set(const char *name, int32_t value)
 {
-	return params_set_by_name(&params, name, strlen(name), value, &changed);
+	return params_set(&params, params_find(name, strlen(name)), value, &changed);
 }
 
 /* The set holds these and nothing else. */
@@ -36,7 +36,7 @@ static int32_t get(const char *name)
 {
 	int32_t value = -1;
 
-	zassert_equal(params_get_by_name(&params, name, strlen(name), &value), PARAMS_OK);
+	zassert_equal(params_get(&params, params_find(name, strlen(name)), &value), PARAMS_OK);
 	return value;
 }
 
@@ -346,4 +346,10 @@ ZTEST(core_params, test_modules_get_their_units)
 	zassert_equal(sync.policy, SYNC_POLICY_INTERNAL);
 	zassert_equal(arbiter.priority, ARBITER_SOURCE_SHELL);
 	zassert_equal(arbiter.hold_us, 1500000);
+	set("LGT_SRC_EXCL", 7); /* all but the shell */
+	params_arbiter(&params, &arbiter);
+	zassert_equal(arbiter.priority, ARBITER_SOURCE_SHELL);
+	set("LGT_SRC_EXCL", 8);
+	params_arbiter(&params, &arbiter);
+	zassert_equal(arbiter.priority, ARBITER_SOURCE_NONE, "who is excluded holds no one off");
 }
