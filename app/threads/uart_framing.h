@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a UART speaks, as its thread sees it: received bytes become frames in the inbox. A protocol
- * is a table; which one a UART has is decided at the start.
+ * What a UART speaks, as its thread sees it: received bytes become packets, which go to the inbox.
+ * A protocol is a table; which one a UART has is decided at the start.
  *
  * Context: the UART's thread.
  */
@@ -26,16 +26,26 @@ union uart_framing_state {
 #endif
 };
 
+/* Valid until more is written. */
+union uart_packet {
+	struct mavlink_frame mavlink;
+#ifdef CONFIG_PHAROS_IMC
+	struct imc_stream_packet imc;
+#endif
+};
+
 /*
- * take: all the bytes; idle: the line is silent, so that an unfinished frame was perhaps none and
- * hides good ones. Both return how many frames they have posted, as of the link. pending: there is
- * an unfinished one. wanted: bytes that must come before there can be another.
+ * write: as many bytes as have room, which it returns; then next: the packets that there are now.
+ * idle: the line is silent, so that an unfinished packet was perhaps none and hides a good one; go
+ * on with next. post: to the inbox, as of the link; waits while the command thread is behind.
+ * pending: there is an unfinished one. wanted: bytes that must come before there can be another.
  */
 struct uart_framing {
 	void (*init)(union uart_framing_state *state);
-	uint32_t (*take)(union uart_framing_state *state, uint8_t link, const uint8_t *bytes,
-	                 size_t count);
-	uint32_t (*idle)(union uart_framing_state *state, uint8_t link);
+	size_t (*write)(union uart_framing_state *state, const uint8_t *bytes, size_t count);
+	bool (*next)(union uart_framing_state *state, union uart_packet *packet);
+	bool (*idle)(union uart_framing_state *state, union uart_packet *packet);
+	void (*post)(uint8_t link, const union uart_packet *packet);
 	bool (*pending)(const union uart_framing_state *state);
 	size_t (*wanted)(const union uart_framing_state *state);
 	struct link_framing_stats (*stats)(const union uart_framing_state *state); /* any thread */

@@ -10,47 +10,26 @@ static void init(union uart_framing_state *state)
 	imc_stream_init(&state->imc);
 }
 
-static void post(uint8_t link, const struct imc_stream_packet *packet)
+static size_t write(union uart_framing_state *state, const uint8_t *bytes, size_t count)
+{
+	return imc_stream_write(&state->imc, bytes, count);
+}
+
+static bool next(union uart_framing_state *state, union uart_packet *packet)
+{
+	return imc_stream_next(&state->imc, &packet->imc);
+}
+
+static bool idle(union uart_framing_state *state, union uart_packet *packet)
+{
+	return imc_stream_idle(&state->imc, &packet->imc);
+}
+
+static void post(uint8_t link, const union uart_packet *packet)
 {
 	const struct imc_route route = {.link = link};
 
-	inbox_post_imc(&route, packet->bytes, packet->length, SUPERVISOR_UART_LINK0 + link);
-}
-
-static uint32_t post_all(struct imc_stream *stream, uint8_t link)
-{
-	struct imc_stream_packet packet;
-	uint32_t posted = 0;
-
-	while (imc_stream_next(stream, &packet)) {
-		post(link, &packet);
-		posted++;
-	}
-	return posted;
-}
-
-static uint32_t take(union uart_framing_state *state, uint8_t link, const uint8_t *bytes,
-                     size_t count)
-{
-	uint32_t posted = 0;
-
-	for (size_t used = 0; used < count;) {
-		used += imc_stream_write(&state->imc, bytes + used, count - used);
-		posted += post_all(&state->imc, link);
-	}
-	return posted;
-}
-
-static uint32_t idle(union uart_framing_state *state, uint8_t link)
-{
-	struct imc_stream_packet packet;
-	uint32_t posted = 0;
-
-	while (imc_stream_idle(&state->imc, &packet)) {
-		post(link, &packet);
-		posted += 1 + post_all(&state->imc, link);
-	}
-	return posted;
+	inbox_post_imc(&route, packet->imc.bytes, packet->imc.length, SUPERVISOR_UART_LINK0 + link);
 }
 
 static bool pending(const union uart_framing_state *state)
@@ -74,8 +53,10 @@ static struct link_framing_stats stats(const union uart_framing_state *state)
 
 const struct uart_framing uart_framing_imc = {
 	.init = init,
-	.take = take,
+	.write = write,
+	.next = next,
 	.idle = idle,
+	.post = post,
 	.pending = pending,
 	.wanted = wanted,
 	.stats = stats,

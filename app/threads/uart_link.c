@@ -233,6 +233,41 @@ int uart_link_stats_get(uint8_t number, struct link_stats *stats)
 
 /* --- receiving -------------------------------------------------------------------------------- */
 
+/* To the command thread, which takes each before this one goes on. */
+static void post(uint8_t number, struct uart_link *link, const union uart_packet *packet)
+{
+	link->framing->post(number, packet);
+	link->stats.rx_frames++;
+}
+
+static void post_all(uint8_t number, struct uart_link *link)
+{
+	union uart_packet packet;
+
+	while (link->framing->next(&link->state, &packet)) {
+		post(number, link, &packet);
+	}
+}
+
+static void take(uint8_t number, struct uart_link *link, const uint8_t *bytes, size_t count)
+{
+	for (size_t used = 0; used < count;) {
+		used += link->framing->write(&link->state, bytes + used, count - used);
+		post_all(number, link);
+	}
+}
+
+/* The line is silent. */
+static void give_up(uint8_t number, struct uart_link *link)
+{
+	union uart_packet packet;
+
+	while (link->framing->idle(&link->state, &packet)) {
+		post(number, link, &packet);
+		post_all(number, link);
+	}
+}
+
 /*
  * All bytes of the ring through the framing; room in the ring resumes reception. False: there were
  * none.
@@ -244,7 +279,7 @@ static bool drain(uint8_t number, struct uart_link *link)
 	bool any = false;
 
 	while ((count = ring_buf_get_claim(&link->rx, &from, UART_RX_RING_SIZE)) > 0) {
-		link->stats.rx_frames += link->framing->take(&link->state, number, from, count);
+		take(number, link, from, count);
 		ring_buf_get_finish(&link->rx, count);
 		if (link->rx_stopped) {
 			link->rx_stopped = false;
@@ -327,7 +362,7 @@ void uart_link_run(void *argument, void *p2, void *p3)
 		silent_us = silent ? silent_us + SILENCE_STEP_US : 0;
 		if (silent_us >= MAVLINK_FRAMER_IDLE_US) {
 			silent_us = 0;
-			link->stats.rx_frames += link->framing->idle(&link->state, number);
+			give_up(number, link);
 		}
 	}
 }

@@ -26,6 +26,12 @@ static int point(struct pharos_device *device, void *argument)
 	return 0;
 }
 
+static int say_absent(const struct shell *sh)
+{
+	shell_error(sh, "there is no gimbal (see: param get GMB_ENABLE)");
+	return -ENODEV;
+}
+
 /* Carries the event out and says what became of it. */
 static int gimbal_command(const struct shell *sh, const struct gimbal_event *event)
 {
@@ -34,23 +40,14 @@ static int gimbal_command(const struct shell *sh, const struct gimbal_event *eve
 	if (!shell_call(sh, point, &request, NULL)) {
 		return -EAGAIN;
 	}
-	switch (request.result) {
-	case DEVICE_ACCEPTED:
-		shell_print(sh, "ok");
-		return 0;
-	case DEVICE_DENIED:
+	if (request.result == DEVICE_DENIED) {
 		shell_error(sh, "out of range; nothing changed (-360 to 360 degrees)");
 		return -EINVAL;
-	case DEVICE_ABSENT:
-		shell_error(sh, "there is no gimbal (see: param get GMB_ENABLE)");
-		return -ENODEV;
-	case DEVICE_EXCLUDED:
-	case DEVICE_OUTRANKED:
-	case DEVICE_FAILED:
-	case DEVICE_KEPT:
-		break;
 	}
-	return say_refused(sh, request.result, "gimbal status");
+	if (request.result == DEVICE_ABSENT) {
+		return say_absent(sh);
+	}
+	return say_result(sh, request.result, "gimbal status");
 }
 
 static int aim(const struct shell *sh, enum gimbal_axis_id axis, char **argv)
@@ -130,8 +127,7 @@ static int cmd_gimbal_status(const struct shell *sh, size_t argc, char **argv)
 		return -EAGAIN;
 	}
 	if (!status.has_gimbal) {
-		shell_error(sh, "there is no gimbal (see: param get GMB_ENABLE)");
-		return -ENODEV;
+		return say_absent(sh);
 	}
 
 	const struct gimbal_report report = gimbal_report(gimbal, clock_now_us());

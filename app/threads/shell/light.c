@@ -106,24 +106,16 @@ static int light_command(const struct shell *sh, enum setting setting, uint32_t 
 	if (!shell_call(sh, apply, &request, NULL)) {
 		return -EAGAIN;
 	}
-	switch (request.result) {
-	case DEVICE_ACCEPTED:
-		shell_print(sh, "ok");
-		return 0;
-	case DEVICE_DENIED:
+	if (request.result == DEVICE_DENIED) {
 		say_ranges(sh, &request);
 		return -EINVAL;
-	case DEVICE_FAILED:
+	}
+	if (request.result == DEVICE_FAILED) {
 		shell_error(sh, "not now: over temperature (see: thermal), without power, or "
 		                "not started (see: startup)");
 		return -EAGAIN;
-	case DEVICE_EXCLUDED:
-	case DEVICE_OUTRANKED:
-	case DEVICE_ABSENT:
-	case DEVICE_KEPT:
-		break;
 	}
-	return say_refused(sh, request.result, "light status");
+	return say_result(sh, request.result, "light status");
 }
 
 static int cmd_light_on(const struct shell *sh, size_t argc, char **argv)
@@ -220,11 +212,8 @@ static int cmd_light_program(const struct shell *sh, size_t argc, char **argv)
 	if (!shell_call(sh, set_program, &kind, &result)) {
 		return -EAGAIN;
 	}
-	if (result != PARAMS_OK) {
-		return say_refused(sh, DEVICE_EXCLUDED, "light status");
-	}
-	shell_print(sh, "ok");
-	return 0;
+	return say_result(sh, result == PARAMS_OK ? DEVICE_ACCEPTED : DEVICE_EXCLUDED,
+	                  "light status");
 }
 
 /* What the shell's thread prints, copied in the command thread. */

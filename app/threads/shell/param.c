@@ -138,7 +138,7 @@ static int cmd_param_reset(const struct shell *sh, size_t argc, char **argv)
 		return -EAGAIN;
 	}
 	if (result != 0) {
-		return say_refused(sh, DEVICE_EXCLUDED, "light status");
+		return say_result(sh, DEVICE_EXCLUDED, "light status");
 	}
 	shell_print(sh, "all parameters are at their defaults");
 	return 0;

@@ -16,8 +16,12 @@ void say_fixed(const struct shell *sh, const char *label, int64_t value, unsigne
 	shell_print(sh, "%-14s%s %s", label, text, unit);
 }
 
-int say_refused(const struct shell *sh, enum device_result result, const char *status)
+int say_result(const struct shell *sh, enum device_result result, const char *status)
 {
+	if (result == DEVICE_ACCEPTED) {
+		shell_print(sh, "ok");
+		return 0;
+	}
 	if (result == DEVICE_EXCLUDED) {
 		shell_error(sh, "the shell may not command (see: param get LGT_SRC_EXCL)");
 		return -EACCES;

@@ -22,8 +22,8 @@ extern const struct device_who shell_who;
 void say_fixed(const struct shell *sh, const char *label, int64_t value, unsigned int decimals,
                const char *unit);
 
-/* Says that the device's arbiter refused; status: the command that tells who is in command. result
- * EXCLUDED, OUTRANKED. Returns the command's -errno. */
-int say_refused(const struct shell *sh, enum device_result result, const char *status);
+/* Says "ok", or that the device refused; status: the command that tells who is in command. result
+ * ACCEPTED, EXCLUDED, OUTRANKED. Returns the command's 0 or -errno. */
+int say_result(const struct shell *sh, enum device_result result, const char *status);
 
 #endif

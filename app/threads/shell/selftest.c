@@ -74,7 +74,7 @@ static int cmd_selftest(const struct shell *sh, size_t argc, char **argv)
 		return say_end(sh, request.obstacle);
 	}
 	if (request.result != DEVICE_ACCEPTED) {
-		return say_refused(sh, request.result, "light status");
+		return say_result(sh, request.result, "light status");
 	}
 	do {
 		k_msleep(POLL_MS);
