@@ -20,19 +20,22 @@ INTRODUCTION = """# Parameters
 
 Made by `make parameters` from `app/core/params_table.h`; defaults are those of the native build.
 
-Every value is a whole number of 32 bits. A value out of its range, one that does not go with a
-related one (`THR_RECOVER` < `THR_THROTTLE` < `THR_SHUTDOWN`, …), and a set of a read-only one are
-refused and change nothing. What is set is stored: a power cut leaves the old or the new value.
+Every value is in the unit that people use, and alike over every protocol. A value between two steps
+becomes the nearer one and is answered as it was taken; where there is no unit (a choice, an id, a
+count) a fraction is refused. A value out of its range, one that does not go with a related one
+(`THR_RECOVER` < `THR_THROTTLE` < `THR_SHUTDOWN`, …), and a set of a read-only one are refused and
+change nothing. What is set is stored: a power cut leaves the old or the new value.
 
-- **MAVLink**: PARAM_REQUEST_LIST, PARAM_REQUEST_READ and PARAM_SET to the illuminator's component,
-  which serves the whole table; the gimbal's serves none. Type INT32, bytewise; other integer types
-  and whole REAL32 numbers are taken. A refused set is answered by PARAM_ERROR and by PARAM_VALUE
-  with what is in force. A list takes 45 % of its link.
-- **DroneCAN**: `uavcan.protocol.param.GetSet`, as integers; whole real values are taken as well.
+- **MAVLink**: PARAM_REQUEST_LIST, PARAM_REQUEST_READ and PARAM_SET, and all of them in one file,
+  `@PARAM/param.pck`, over MAVLink FTP. Type REAL32, which every ground station reads alike; sets of
+  integer types are taken too, bytewise, as that number of the unit. A refused set is answered by
+  PARAM_ERROR and by PARAM_VALUE with what is in force. A list takes 45 % of its link.
+- **DroneCAN**: `uavcan.protocol.param.GetSet`; what has a step below 1 as a real value, the rest as
+  an integer. Sets of either kind are taken.
+- **IMC**: EntityParameters, as text such as `80.5`.
 - **Shell**: `param list`, `param get NAME`, `param set NAME VALUE`, `param reset`.
 
-Units: `ppm` parts per million (10 000 ppm = 1 %), `mdegC` thousandths of a degree Celsius, `mdeg`
-thousandths of a degree.
+Files of MAVProxy, Mission Planner and QGroundControl load and save.
 """
 
 TITLES = {
@@ -53,6 +56,11 @@ def in_force(entry: dict[str, Any]) -> str:
     return "after a reset" if entry.get("rebootRequired") else "at once"
 
 
+def text_of(value: float | int) -> str:
+    """Without an exponent."""
+    return str(value) if isinstance(value, int) else f"{value:.6f}".rstrip("0")
+
+
 def page_of(expanded: str) -> str:
     lines = [INTRODUCTION]
     group = ""
@@ -61,15 +69,16 @@ def page_of(expanded: str) -> str:
         if entry["group"] != group:
             group = entry["group"]
             lines += ["", f"## {TITLES.get(group, group.capitalize())}", ""]
-            lines += ["| name | default | range | unit | in force | meaning |"]
-            lines += ["|---|---|---|---|---|---|"]
+            lines += ["| name | default | range | unit | step | in force | meaning |"]
+            lines += ["|---|---|---|---|---|---|---|"]
         cells = (
             f"`{entry['name']}`",
-            str(entry["default"]),
-            f"{entry['min']} … {entry['max']}",
+            text_of(entry["default"]),
+            f"{text_of(entry['min'])} … {text_of(entry['max'])}",
             entry.get("units", ""),
+            text_of(entry["increment"]),
             in_force(entry),
-            metadata.text_of(row[7]),
+            metadata.text_of(row[8]),
         )
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines).replace("\n\n\n", "\n\n") + "\n"

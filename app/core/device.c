@@ -104,8 +104,8 @@ static void init_outputs(struct pharos_device *self, int64_t now_us,
 {
 	struct actuators_config outputs = config->actuators;
 
-	outputs.grace_us = (int64_t)self->params.values[PARAM_DOWN_TIME_S] * US_PER_S;
-	outputs.focus_travel_us = (int64_t)self->params.values[PARAM_ZOOM_TIME_MS] * US_PER_MS;
+	outputs.grace_us = (int64_t)self->params.values[PARAM_DOWN_TIME] * US_PER_S;
+	outputs.focus_travel_us = (int64_t)self->params.values[PARAM_ZOOM_TIME] * US_PER_MS;
 	params_thruster(&self->params, &outputs.thruster_config);
 	actuators_init(&self->actuators, now_us, &outputs);
 	for (uint8_t channel = 0; channel < POWER_CHANNELS_MAX; channel++) {

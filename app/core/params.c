@@ -5,10 +5,11 @@
 
 #include <string.h>
 
-#define PARAMS_INFO(name_, group_, unit_, min_, max_, fallback_, flags_, meaning_)                 \
+#define PARAMS_INFO(name_, group_, unit_, decimals_, min_, max_, fallback_, flags_, meaning_)      \
 	[PARAM_##name_] = {                                                                        \
 		.name = #name_,                                                                    \
 		.unit = (unit_),                                                                   \
+		.decimals = (decimals_),                                                           \
 		.meaning = (meaning_),                                                             \
 		.min = (min_),                                                                     \
 		.max = (max_),                                                                     \
@@ -19,10 +20,13 @@
 static const struct param_info table[PARAM_COUNT] = {PARAMS_TABLE(PARAMS_INFO)};
 #undef PARAMS_INFO
 
-#define PARAMS_CHECK(name, group, unit, min, max, fallback, flags, meaning)                        \
+#define PARAMS_CHECK(name, group, unit, decimals, min, max, fallback, flags, meaning)              \
 	_Static_assert((min) <= (fallback) && (fallback) <= (max),                                 \
 	               #name ": default within range");                                            \
-	_Static_assert(sizeof(#name) - 1 <= PARAMS_NAME_MAX, #name ": name fits");
+	_Static_assert(sizeof(#name) - 1 <= PARAMS_NAME_MAX, #name ": name fits");                 \
+	_Static_assert((decimals) <= 6 && (sizeof(unit) > 1 || (decimals) == 0),                   \
+	               #name ": a choice has no decimals");                                        \
+	_Static_assert((min) > -(1 << 24) && (max) < 1 << 24, #name ": a binary32 holds it");
 PARAMS_TABLE(PARAMS_CHECK)
 #undef PARAMS_CHECK
 
@@ -36,7 +40,7 @@ struct rule {
 };
 
 static const struct rule rules[] = {
-	{PARAM_STRB_MIN_US, PARAM_STRB_MAX_US, true},
+	{PARAM_STRB_MIN, PARAM_STRB_MAX, true},
 	{PARAM_THR_SENS_MIN, PARAM_THR_RECOVER, false},
 	{PARAM_THR_RECOVER, PARAM_THR_THROTTLE, false},
 	{PARAM_THR_THROTTLE, PARAM_THR_SHUTDOWN, false},
@@ -349,13 +353,13 @@ static struct program program_of(const struct params *self)
 	case PROGRAM_ANTI_COLLISION:
 	case PROGRAM_DOUBLE_FLASH:
 		program.period_us = US_PER_MIN / unsigned_value(self, PARAM_PRG_RATE);
-		program.unit_us = ms_as_us(self, PARAM_PRG_FLASH_MS);
+		program.unit_us = ms_as_us(self, PARAM_PRG_FLASH);
 		break;
 	case PROGRAM_FADE:
-		program.period_us = ms_as_us(self, PARAM_PRG_FADE_MS);
+		program.period_us = ms_as_us(self, PARAM_PRG_FADE);
 		break;
 	case PROGRAM_SOS:
-		program.unit_us = ms_as_us(self, PARAM_PRG_DOT_MS);
+		program.unit_us = ms_as_us(self, PARAM_PRG_DOT);
 		break;
 	}
 	return program;
@@ -364,12 +368,12 @@ static struct program program_of(const struct params *self)
 void params_illuminator(const struct params *self, struct illuminator_config *config)
 {
 	*config = (struct illuminator_config){
-		.min_period_us = unsigned_value(self, PARAM_STRB_MIN_US),
-		.max_period_us = unsigned_value(self, PARAM_STRB_MAX_US),
+		.min_period_us = unsigned_value(self, PARAM_STRB_MIN),
+		.max_period_us = unsigned_value(self, PARAM_STRB_MAX),
 		.curve = (enum illuminator_curve)self->values[PARAM_LGT_CURVE],
 		.beacon =
 			{
-				.period_us = unsigned_value(self, PARAM_BCN_PERIOD_US),
+				.period_us = unsigned_value(self, PARAM_BCN_PERIOD),
 				.duty_ppm = unsigned_value(self, PARAM_BCN_DUTY),
 				.brightness_ppm = unsigned_value(self, PARAM_BCN_BRIGHT),
 			},
@@ -392,9 +396,9 @@ void params_thermal(const struct params *self, struct thermal_config *config)
 		.safe_ppm = unsigned_value(self, PARAM_THR_SAFE),
 		.hot_ppm = unsigned_value(self, PARAM_THR_HOT),
 		.slew_ppm_per_s = unsigned_value(self, PARAM_THR_SLEW),
-		.first_us = ms_as_us(self, PARAM_THR_FIRST_MS),
-		.stuck_us = ms_as_us(self, PARAM_THR_STUCK_MS),
-		.missing_us = ms_as_us(self, PARAM_THR_MISS_MS),
+		.first_us = ms_as_us(self, PARAM_THR_FIRST),
+		.stuck_us = ms_as_us(self, PARAM_THR_STUCK),
+		.missing_us = ms_as_us(self, PARAM_THR_MISS),
 		.good_samples = unsigned_value(self, PARAM_THR_GOOD_N),
 	};
 }
@@ -406,9 +410,9 @@ void params_sync(const struct params *self, struct sync_config *config)
 		.polarity = (enum sync_polarity)self->values[PARAM_SYNC_POL],
 		.retrigger = (enum sync_retrigger)self->values[PARAM_SYNC_RETRIG],
 		.policy = (enum sync_policy)self->values[PARAM_SYNC_LOSS],
-		.filter_us = unsigned_value(self, PARAM_SYNC_FILT_US),
-		.pulse_us = unsigned_value(self, PARAM_SYNC_PULSE_US),
-		.timeout_us = ms_as_us(self, PARAM_SYNC_LOSS_MS),
+		.filter_us = unsigned_value(self, PARAM_SYNC_FILT),
+		.pulse_us = unsigned_value(self, PARAM_SYNC_PULSE),
+		.timeout_us = ms_as_us(self, PARAM_SYNC_TMO),
 	};
 }
 
@@ -416,10 +420,10 @@ void params_sync(const struct params *self, struct sync_config *config)
 void params_thruster(const struct params *self, struct thruster_config *config)
 {
 	*config = (struct thruster_config){
-		.min_us = unsigned_value(self, PARAM_ESC_MIN_US),
-		.max_us = unsigned_value(self, PARAM_ESC_MAX_US),
-		.arm_us = ms_as_us(self, PARAM_ESC_ARM_MS),
-		.loss_us = ms_as_us(self, PARAM_ESC_LOSS_MS),
+		.min_us = unsigned_value(self, PARAM_ESC_MIN),
+		.max_us = unsigned_value(self, PARAM_ESC_MAX),
+		.arm_us = ms_as_us(self, PARAM_ESC_ARM),
+		.loss_us = ms_as_us(self, PARAM_ESC_LOSS),
 	};
 }
 #endif
@@ -435,7 +439,7 @@ void params_arbiter(const struct params *self, struct arbiter_config *config)
 		.priority = is_excluded ? ARBITER_SOURCE_NONE : priority,
 		.fallback = (enum illuminator_fallback)self->values[PARAM_LGT_FALLBACK],
 		.hold_us = ms_as_us(self, PARAM_LGT_SRC_HOLD),
-		.loss_us = ms_as_us(self, PARAM_LGT_LOSS_MS),
+		.loss_us = ms_as_us(self, PARAM_LGT_LOSS),
 	};
 }
 
@@ -519,8 +523,8 @@ void params_gimbal(const struct params *self, struct gimbal_config *config)
 						.trim_us = values[PARAM_GMB_TLT_TRIM],
 					},
 			},
-		.rate_timeout_us = ms_as_us(self, PARAM_GMB_RATE_MS),
-		.attitude_timeout_us = ms_as_us(self, PARAM_GMB_ATT_MS),
+		.rate_timeout_us = ms_as_us(self, PARAM_GMB_RATE_TMO),
+		.attitude_timeout_us = ms_as_us(self, PARAM_GMB_ATT_TMO),
 	};
 }
 #endif

@@ -3,9 +3,10 @@
  * The device's parameters: one table, from which MAVLink, DroneCAN, IMC, the shell, the storage and
  * the documents take names, units, ranges and defaults. The set and its order are fixed.
  *
- * A value is an int32_t. A set is checked against its own range and against its neighbours (recover
- * < throttle < shutdown, …); a refused set changed nothing. Results tell which parameters changed,
- * so that the caller can tell those concerned.
+ * A value is an int32_t, in the steps of its unit that the core counts in. A set is checked against
+ * its own range and against its neighbours (recover < throttle < shutdown, …); a refused set
+ * changed nothing. Results tell which parameters changed, so that the caller can tell those
+ * concerned.
  *
  * Context: the thread that owns it. Defaults come from Kconfig (CONFIG_PHAROS_…).
  */
@@ -43,13 +44,16 @@ enum param_group {
 	PARAM_GROUP_COUNT
 };
 
-#define PARAMS_ID(name, group, unit, min, max, fallback, flags, meaning) PARAM_##name,
+#define PARAMS_ID(name, group, unit, decimals, min, max, fallback, flags, meaning) PARAM_##name,
 enum param_id {
 	PARAMS_TABLE(PARAMS_ID) PARAM_COUNT
 };
 #undef PARAMS_ID
 
-/* name: 1…PARAMS_NAME_MAX characters A-Z 0-9 _, terminated. unit "": a number or a choice. */
+/*
+ * name: 1…PARAMS_NAME_MAX characters A-Z 0-9 _, terminated. unit: what people read, value /
+ * 10^decimals of it (param_units.h); "": a number or a choice, without decimals.
+ */
 struct param_info {
 	const char *name;
 	const char *unit;
@@ -57,7 +61,8 @@ struct param_info {
 	int32_t min;
 	int32_t max;
 	int32_t fallback; /* the default */
-	uint32_t flags;
+	uint8_t flags;
+	uint8_t decimals; /* 0…6 */
 	enum param_group group;
 };
 

@@ -43,6 +43,91 @@ static uint16_t key_of(const char *name)
 	return (uint16_t)(hash ^ hash >> 16);
 }
 
+/* What version 0.1 called otherwise, or let reach further: up to before_max. */
+struct former {
+	const char *name;
+	enum param_id id;
+	int32_t before_max; /* 0: as today */
+};
+
+#define STROBE_BEFORE_US 60000000
+
+static const struct former formers[] = {
+	{"STRB_MIN_US", PARAM_STRB_MIN, STROBE_BEFORE_US},
+	{"STRB_MAX_US", PARAM_STRB_MAX, STROBE_BEFORE_US},
+	{"BCN_PERIOD_US", PARAM_BCN_PERIOD, STROBE_BEFORE_US},
+	{"PRG_FLASH_MS", PARAM_PRG_FLASH, 0},
+	{"PRG_FADE_MS", PARAM_PRG_FADE, 0},
+	{"PRG_DOT_MS", PARAM_PRG_DOT, 0},
+	{"LGT_LOSS_MS", PARAM_LGT_LOSS, 0},
+	{"THR_STUCK_MS", PARAM_THR_STUCK, 0},
+	{"THR_MISS_MS", PARAM_THR_MISS, 0},
+	{"THR_FIRST_MS", PARAM_THR_FIRST, 0},
+	{"SYNC_LOSS_MS", PARAM_SYNC_TMO, 0},
+	{"SYNC_FILT_US", PARAM_SYNC_FILT, 0},
+	{"SYNC_PULSE_US", PARAM_SYNC_PULSE, STROBE_BEFORE_US},
+#ifdef CONFIG_PHAROS_IMC
+	{"ESC_MIN_US", PARAM_ESC_MIN, 0},
+	{"ESC_MAX_US", PARAM_ESC_MAX, 0},
+	{"ESC_ARM_MS", PARAM_ESC_ARM, 0},
+	{"ESC_LOSS_MS", PARAM_ESC_LOSS, 0},
+	{"ZOOM_TIME_MS", PARAM_ZOOM_TIME, 0},
+	{"DOWN_TIME_S", PARAM_DOWN_TIME, 0},
+#endif
+#ifdef CONFIG_PHAROS_GIMBAL
+	{"GMB_RATE_MS", PARAM_GMB_RATE_TMO, 0},
+	{"GMB_ATT_MS", PARAM_GMB_ATT_TMO, 0},
+#endif
+};
+#define FORMERS (sizeof(formers) / sizeof(formers[0]))
+
+static const struct former *former_of(uint32_t index)
+{
+	for (size_t i = 0; i < FORMERS; i++) {
+		if (formers[i].id == index) {
+			return &formers[i];
+		}
+	}
+	return NULL;
+}
+
+const char *store_former_name(uint32_t index)
+{
+	const struct former *const former = former_of(index);
+
+	return former == NULL ? NULL : former->name;
+}
+
+/* The parameter that has the key, or had it; PARAM_COUNT: none. */
+static uint32_t index_of(uint16_t key)
+{
+	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+		if (key_of(params_info(i)->name) == key) {
+			return i;
+		}
+	}
+	for (size_t i = 0; i < FORMERS; i++) {
+		if (key_of(formers[i].name) == key) {
+			return formers[i].id;
+		}
+	}
+	return PARAM_COUNT;
+}
+
+uint32_t store_find(const char *name)
+{
+	return index_of(key_of(name));
+}
+
+void store_put(struct store *self, uint32_t index, int32_t value)
+{
+	const struct former *const former = former_of(index);
+	const int32_t max = params_info(index)->max;
+	const bool reached_further = former != NULL && value <= former->before_max;
+
+	self->state.params.values[index] = reached_further && value > max ? max : value;
+}
+
 /* --- writing a record ------------------------------------------------------------------------- */
 
 struct writer {
@@ -160,10 +245,10 @@ static uint32_t next_param(struct reader *reader, int32_t *value)
 		const uint16_t key = (uint16_t)get(reader, 2);
 
 		*value = get_value(reader);
-		for (uint32_t i = 0; i < PARAM_COUNT && !reader->short_of; i++) {
-			if (key_of(params_info(i)->name) == key) {
-				return i;
-			}
+		const uint32_t index = reader->short_of ? (uint32_t)PARAM_COUNT : index_of(key);
+
+		if (index < PARAM_COUNT) {
+			return index;
 		}
 	}
 	return PARAM_COUNT;
@@ -225,7 +310,7 @@ bool store_offer(struct store *self, uint8_t slot, const uint8_t *record, size_t
 		read_rest(&reader, record[AT_THERE], &self->state);
 		for (uint32_t i = next_param(&reader, &value); i < PARAM_COUNT;
 		     i = next_param(&reader, &value)) {
-			self->state.params.values[i] = value;
+			store_put(self, i, value);
 		}
 	}
 	return true;

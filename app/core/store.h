@@ -22,7 +22,9 @@
  *	parameters that are not at their default: key of the name (2), value (1…5)
  *
  * The key is FNV-1a in 32 bits, folded to 16; the value is zigzag coded, 7 bits a byte, the lowest
- * first. A name that is not in the table (any more) is skipped.
+ * first. A name that is not in the table (any more) is skipped; those of version 0.1, which had
+ * their unit at the end, still count, and a value beyond a range that was wider then becomes the
+ * range's end. The next record has today's names.
  *
  * Context: one owner, or under a lock.
  */
@@ -48,7 +50,7 @@
 #define STORE_VALUE_BYTES(zigzag)                                                                  \
 	(1 + ((zigzag) >= 1 << 7) + ((zigzag) >= 1 << 14) + ((zigzag) >= 1 << 21) +                \
 	 ((zigzag) >= 1 << 28))
-#define STORE_PARAM_BYTES(name, group, unit, min, max, fallback, flags, meaning)                   \
+#define STORE_PARAM_BYTES(name, group, unit, decimals, min, max, fallback, flags, meaning)         \
 	+(2 + STORE_VALUE_BYTES(STORE_ZIGZAG(min) > STORE_ZIGZAG(max) ? STORE_ZIGZAG(min)          \
 	                                                              : STORE_ZIGZAG(max)))
 enum {
@@ -91,6 +93,15 @@ bool store_offer(struct store *self, uint8_t slot, const uint8_t *record, size_t
  * effect where they are lower.
  */
 void store_salvage(struct store *self, const uint8_t *record, size_t length);
+
+/* The parameter that is called so, or was in version 0.1; PARAM_COUNT: none. */
+uint32_t store_find(const char *name);
+
+/* What version 0.1 called the parameter; NULL: as today. */
+const char *store_former_name(uint32_t index);
+
+/* Loading: a parameter's value as it was stored (asserted to be one). */
+void store_put(struct store *self, uint32_t index, int32_t value);
 
 /* Loading, last: what no longer fits the table is mended (params_load). Returns what was. */
 struct param_set store_check(struct store *self);

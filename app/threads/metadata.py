@@ -19,6 +19,7 @@ import subprocess
 import sys
 import zlib
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -34,8 +35,8 @@ SNIPPET = """
 #include "core/limits.h"
 #include "core/params_table.h"
 #include "version.h"
-#define ROW(name, group, unit, min, max, fallback, flags, meaning) \\
-    PHAROS_ROW(#name, #group, unit, min, max, fallback, flags, meaning)
+#define ROW(name, group, unit, decimals, min, max, fallback, flags, meaning) \\
+    PHAROS_ROW(#name, #group, unit, decimals, min, max, fallback, flags, meaning)
 PARAMS_TABLE(ROW)
 PHAROS_ABOUT(CONFIG_PHAROS_VENDOR_NAME, CONFIG_PHAROS_MODEL_NAME, PHAROS_VERSION,
              CONFIG_PHAROS_HARDWARE_MAJOR, CONFIG_PHAROS_HARDWARE_MINOR)
@@ -128,19 +129,27 @@ def choices(meaning: str, low: int, high: int) -> tuple[str, dict[str, Any]]:
     return meaning, {}
 
 
+def natural(value: int, decimals: int) -> float | int:
+    """What people read for the core's integer."""
+    exact = Fraction(value, 10**decimals)
+    return int(exact) if exact.denominator == 1 else float(exact)
+
+
 def parameter(row: list[str]) -> dict[str, Any]:
     """A row of the table as the schema has it."""
     name, group, unit = (text_of(cell) for cell in row[:3])
-    low, high, fallback = (number_of(cell) for cell in row[3:6])
-    flags = [word.strip(" ()") for word in row[6].split("|")]
+    decimals, low, high, fallback = (number_of(cell) for cell in row[3:7])
+    flags = [word.strip(" ()") for word in row[7].split("|")]
     unknown = [flag for flag in flags if flag not in FLAGS and flag != "0"]
     if unknown:
         raise MetadataError(f"{name}: no such flag: {', '.join(unknown)}")
-    what, listed = choices(text_of(row[7]), low, high)
-    said: dict[str, Any] = {"name": name, "type": "Int32", "group": group, "shortDesc": what}
+    what, listed = choices(text_of(row[8]), low, high)
+    said: dict[str, Any] = {"name": name, "type": "Float", "group": group, "shortDesc": what}
     if unit:
         said["units"] = unit
-    said |= {"default": fallback, "min": low, "max": high} | listed
+    said |= {"decimalPlaces": decimals, "increment": natural(1, decimals)}
+    said |= {"default": natural(fallback, decimals)}
+    said |= {"min": natural(low, decimals), "max": natural(high, decimals)} | listed
     said |= {FLAGS[flag]: True for flag in flags if flag in FLAGS}
     if "readOnly" in said:
         said["volatile"] = True
@@ -165,8 +174,8 @@ def compress(plain: bytes) -> bytes:
 def metadata(text: str) -> dict[str, bytes]:
     """Files by name, the general one first."""
     rows = calls(text, "PHAROS_ROW")
-    if not rows or any(len(row) != 8 for row in rows):
-        raise MetadataError(f"the table does not have rows of 8 cells: {rows[:1]}")
+    if not rows or any(len(row) != 9 for row in rows):
+        raise MetadataError(f"the table does not have rows of 9 cells: {rows[:1]}")
     vendor, model, version, major, minor = calls(text, "PHAROS_ABOUT")[0]
     table = [parameter(row) for row in rows]
     parameters = compress(as_json({"version": PARAMETERS_VERSION, "parameters": table}))

@@ -20,6 +20,7 @@
 #include <zephyr/settings/settings.h>
 #include <zephyr/sys/printk.h>
 
+#include "core/param_units.h"
 #include "core/store.h"
 #include "threads/clock.h"
 
@@ -96,7 +97,7 @@ static bool read_exactly(settings_read_cb read, void *arg, size_t length, void *
 
 static void load_old_param(const char *name, size_t length, settings_read_cb read, void *arg)
 {
-	const uint32_t index = params_find(name, strlen(name));
+	const uint32_t index = store_find(name);
 	int32_t value;
 
 	if (index == PARAM_COUNT) {
@@ -105,7 +106,7 @@ static void load_old_param(const char *name, size_t length, settings_read_cb rea
 	}
 	param_set_add(&old.params, index);
 	if (read_exactly(read, arg, length, &value, sizeof(value))) {
-		store.state.params.values[index] = value;
+		store_put(&store, index, value);
 	}
 }
 
@@ -196,6 +197,7 @@ int storage_load(struct params *params, struct illuminator_settings *light, bool
 
 	const int error = load_all();
 	const struct param_set mended = store_check(&store);
+	char text[DECIMAL_TEXT_MAX];
 
 	if (error != 0) {
 		LOG_ERR("cannot load: error %d; defaults apply", error);
@@ -204,8 +206,9 @@ int storage_load(struct params *params, struct illuminator_settings *light, bool
 	}
 	for (uint32_t index = 0; index < PARAM_COUNT; index++) {
 		if (param_set_has(&mended, index)) {
-			LOG_WRN("stored %s does not fit; it is %d now", params_info(index)->name,
-			        store.state.params.values[index]);
+			param_print(params_info(index), store.state.params.values[index], text);
+			LOG_WRN("stored %s does not fit; it is %s now", params_info(index)->name,
+			        text);
 			stats.refused++;
 		}
 	}
@@ -334,7 +337,10 @@ static void delete_old(void)
 
 	for (uint32_t i = param_set_take(&old.params); i < PARAM_COUNT;
 	     i = param_set_take(&old.params)) {
-		snprintk(name, sizeof(name), SUBTREE "/" OLD_PARAM "/%s", params_info(i)->name);
+		const char *const former = store_former_name(i);
+
+		snprintk(name, sizeof(name), SUBTREE "/" OLD_PARAM "/%s",
+		         former != NULL ? former : params_info(i)->name);
 		(void)settings_delete(name);
 	}
 	if (old.light) {

@@ -137,7 +137,7 @@ def test_burst_beyond_the_kernels_queue_ends_at_the_right_level(
 def test_edges_count_at_the_kernels_time(start: Start, chip: GpioSim) -> None:
     """A pulse of 10 ms, of which the light hears when it has long been over, is no light."""
     light = start(*options(chip, "enable=LAMP,sync=SYNC"))
-    settings = ("SYNC_MODE 1", "SYNC_PULSE_US 10000", "SYNC_FILT_US 0")
+    settings = ("SYNC_MODE 1", "SYNC_PULSE 10000", "SYNC_FILT 0")
     in_sync_mode(light, *(f"param set {setting}" for setting in settings))
 
     def heard_late() -> int:

@@ -61,10 +61,10 @@ def tour(sim: QemuSimulator) -> None:
         # the last two are one command, before Zephyr 4.0 and since
         for line in ("help", "light status", "thermal", "param list", *THREAD_LISTS):
             shell(line)
-        shell("param set STRB_MIN_US 20000")
+        shell("param set STRB_MIN 0.02")
     d = light.mav.dialect
     light.mav.send(d.MAVLink_param_request_list_message(1, 243))
-    light.mav.send(d.MAVLink_param_set_message(1, 243, b"THR_FLOOR", 250000.0, 6))
+    light.mav.send(d.MAVLink_param_set_message(1, 243, b"THR_FLOOR", 25.0, 9))
     light.mav.send(d.MAVLink_ping_message(1, 7, 0, 0))
     light.mav.send(d.MAVLink_timesync_message(0, 5))
     sim.advance(s=5)

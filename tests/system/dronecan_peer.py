@@ -10,6 +10,7 @@ import dronecan
 from dronecan import uavcan
 
 from harness import NODE
+from parameters import shortest
 from pharos import Simulator
 from pharos.can_node import BusDriver
 
@@ -52,9 +53,15 @@ class Peer:
         self.node.add_handler(kind, lambda event: messages.append(event.message))
         return messages
 
-    def param(self, name: str, value: int | None = None) -> int:
+    def param(self, name: str, value: float | None = None) -> float:
+        """What is in force, after a set if there is a value: an integer or a real as it is."""
         request = uavcan.protocol.param.GetSet.Request()
         request.name.encode(name)
-        if value is not None:
+        if isinstance(value, int):
             request.value.integer_value = value
-        return int(self.ask(request).value.integer_value)
+        elif value is not None:
+            request.value.real_value = value
+        answer = self.ask(request).value
+        if dronecan.get_active_union_field(answer) == "real_value":
+            return shortest(answer.real_value)
+        return int(answer.integer_value)

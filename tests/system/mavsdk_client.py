@@ -83,17 +83,17 @@ def parameters(system: Any) -> dict[str, Any]:
     with contextlib.suppress(ParamError):  # 4.1.0 says UNKNOWN, and selects
         param.select_component(LIGHT, ProtocolVersion.V1)
     listed = param.get_all_params()
-    param.set_param_int("STRB_MIN_US", 20_000)
+    param.set_param_float("STRB_MIN", 0.02)
     refusals = {}
-    for name, value in (("STRB_MIN_US", 1), ("LGT_SRC_NOW", 1), ("NOT_THERE", 1)):
+    for name, value in (("STRB_MIN", 20), ("LGT_SRC_NOW", 1), ("NOT_THERE", 1)):
         try:
-            param.set_param_int(name, value)
+            param.set_param_float(name, value)
         except ParamError as error:
             refusals[name] = error.result.name
     return {
-        "ints": {p.name: p.value for p in listed.int_params},
-        "others": len(listed.float_params) + len(listed.custom_params),
-        "after_set": param.get_param_int("STRB_MIN_US"),
+        "floats": {p.name: p.value for p in listed.float_params},
+        "others": len(listed.int_params) + len(listed.custom_params),
+        "after_set": param.get_param_float("STRB_MIN"),
         "refusals": refusals,
     }
 

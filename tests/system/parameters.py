@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tests need to read and set parameters: INT32, in the bytes of a float."""
+"""What tests need to read and set parameters: REAL32, in the units that people use."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 
 from harness import Light
 from pharos import MavlinkConnection, Target
+from pharos.parameters import text_of
 
 # MAV_PARAM_TYPE
 INT32 = 6
@@ -15,22 +16,25 @@ REAL32 = 9
 
 
 def as_float(value: int) -> float:
+    """An INT32 in the bytes of a float."""
     return float(struct.unpack("<f", struct.pack("<i", value))[0])
 
 
-def value_of(message: Any) -> int:
-    """The INT32 as it lies in the frame: a NaN's bits would not survive Python's floats."""
-    assert message.param_type == INT32
-    frame = bytes(message.get_msgbuf())
-    at = 10 if frame[0] == 0xFD else 6
-    return int(struct.unpack_from("<i", frame, at)[0])
+def shortest(value: float) -> float:
+    """The decimal that people mean by a 32-bit float."""
+    return float(text_of(float(value)))
+
+
+def value_of(message: Any) -> float:
+    assert message.param_type == REAL32
+    return shortest(message.param_value)
 
 
 def send_set(
     mav: MavlinkConnection,
     name: str,
     value: float,
-    kind: int = INT32,
+    kind: int = REAL32,
     target: Target | None = None,
 ) -> None:
     to = target or mav.target
@@ -39,9 +43,9 @@ def send_set(
     )
 
 
-def set_param(light: Light, name: str, value: int, **kwargs: Any) -> int:
+def set_param(light: Light, name: str, value: float, **kwargs: Any) -> float:
     """What the light says is in force then."""
-    send_set(light.mav, name, as_float(value), **kwargs)
+    send_set(light.mav, name, value, **kwargs)
     return value_of(light.mav.recv("PARAM_VALUE", where=lambda m: m.param_id == name))
 
 
@@ -54,7 +58,7 @@ def ask(light: Light, name: str = "", index: int = -1, target: Target | None = N
     )
 
 
-def get_param(light: Light, name: str) -> int:
+def get_param(light: Light, name: str) -> float:
     light.mav.drain()
     light.mav.inbox.clear()  # it may tell of changes by others
     ask(light, name)

@@ -27,7 +27,7 @@ from harness import (
     set_over_can,
     texts,
 )
-from parameters import as_float, send_set
+from parameters import send_set
 from pharos import Simulator, Source, Tunnel
 
 log_level = uavcan.protocol.debug.LogLevel()
@@ -105,24 +105,24 @@ def test_every_parameter_is_read_and_the_table_is_the_shells(peer: Peer) -> None
         names.append(str(answer.name))
     listed = Shell(peer.sim)("param list")
     assert [name for name in names if name not in listed] == []
-    assert {"CAN_NODE_ID", "LGT_SRC_NOW", "STRB_MIN_US"} <= set(names)
+    assert {"CAN_NODE_ID", "LGT_SRC_NOW", "STRB_MIN"} <= set(names)
 
 
 def test_parameter_set_over_can_is_in_force_and_stored(peer: Peer) -> None:
-    assert peer.param("STRB_MIN_US", 50_000) == 50_000
-    assert peer.param("STRB_MIN_US", 1) == 50_000, "out of range: unchanged"
+    assert peer.param("STRB_MIN", 0.05) == 0.05
+    assert peer.param("STRB_MIN", 17) == 0.05, "out of range: unchanged"
     assert peer.param("LGT_SRC_NOW", 4) == 0, "read-only"
     assert peer.ask(uavcan.protocol.param.ExecuteOpcode.Request(opcode=0)).ok
     peer.run(2_000_000)
     peer.sim.reset()
     peer.run(2_000_000)
-    assert peer.param("STRB_MIN_US") == 50_000
+    assert peer.param("STRB_MIN") == 0.05
 
 
 def test_erase_brings_the_defaults_back(peer: Peer) -> None:
-    peer.param("STRB_MIN_US", 50_000)
+    peer.param("STRB_MIN", 0.05)
     assert peer.ask(uavcan.protocol.param.ExecuteOpcode.Request(opcode=1)).ok
-    assert peer.param("STRB_MIN_US") == 10_000
+    assert peer.param("STRB_MIN") == 0.01
 
 
 def test_restart_answers_then_resets_with_the_lamp_off(peer: Peer) -> None:
@@ -294,7 +294,7 @@ def test_excluded_and_outranked_dronecan_commands_change_nothing(peer: Peer) -> 
     assert peer.param("LGT_SRC_EXCL", 0) == 2, "who is excluded does not let itself in again"
     client = peer.sim.connect("can0", tunnel=Tunnel(own=20))
     client.heartbeat()
-    send_set(client, "LGT_SRC_EXCL", as_float(0))
+    send_set(client, "LGT_SRC_EXCL", 0)
     assert peer.param("LGT_SRC_PRIO", 1) == 1
     assert client.command_long(ON_OFF, 0).result == ACCEPTED
     peer.tell(hardpoint(1))
@@ -305,7 +305,7 @@ def test_excluded_and_outranked_dronecan_commands_change_nothing(peer: Peer) -> 
 
 
 def test_silent_vehicle_that_comes_back_takes_command_from_the_fallback(peer: Peer) -> None:
-    peer.param("LGT_LOSS_MS", 2000)
+    peer.param("LGT_LOSS", 2)
     peer.param("LGT_FALLBACK", 1)
     peer.tell(hardpoint(1))
     peer.run(1_000_000)

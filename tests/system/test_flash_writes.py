@@ -65,7 +65,7 @@ def test_what_is_stored_already_is_not_written_again(
     flash = Flash(start, tmp_path / "settings", {"uart0": WIRES["udp"], "uart1": WIRES["tcp"]})
     light = light_on(flash.sim)
     peer = join(flash.sim, "uart1")
-    set_param(light, "LGT_LOSS_MS", 5000)
+    set_param(light, "LGT_LOSS", 5)
     peer.send("PowerChannelControl", name="camera", op=0)
     peer.send("PowerChannelControl", name="camera", op=6)  # save
     flash.pass_time(2_000_000)
@@ -77,9 +77,9 @@ def test_what_is_stored_already_is_not_written_again(
         peer.send(
             "SetEntityParameters",
             name="Lamp",
-            params=[message("EntityParameter", name="LGT_LOSS_MS", value="5000")],
+            params=[message("EntityParameter", name="LGT_LOSS", value="5")],
         )
-        set_param(light, "LGT_LOSS_MS", 5000)
+        set_param(light, "LGT_LOSS", 5)
         flash.pass_time(STEP_US)
     flash.pass_time(2_000_000)
     assert flash.writes == before

@@ -73,7 +73,7 @@ def test_parameters_turn_trim_and_limit_the_servos(shell: Shell) -> None:
     shell("param set GMB_PAN_PW_MIN 2000")
     shell("param set GMB_PAN_PW_MAX 1000")
     shell("param set GMB_TLT_TRIM 50")
-    shell("param set GMB_TLT_MIN -30000")
+    shell("param set GMB_TLT_MIN -30")
     shell("gimbal pan 45")
     shell("gimbal tilt -80")
     shell.sim.advance(s=3)
@@ -86,7 +86,7 @@ def test_slew_rate_is_kept_and_servos_are_told_at_50_hz_while_they_move(start: S
     sim = start({"console": CONSOLE}, options=["--record", "{folder}/r.vcd"])
     sim.advance(s=1)
     shell = Shell(sim)
-    shell("param set GMB_PAN_RATE 30000")
+    shell("param set GMB_PAN_RATE 30")
     shell("gimbal pan 30")
     sim.advance(s=5)
     assert sim.quit() == 0

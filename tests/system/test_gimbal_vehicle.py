@@ -231,8 +231,8 @@ def test_attitude_status_is_never_older_than_a_second(light: Light) -> None:
 
 
 def test_information_has_the_limits_of_the_parameters(light: Light) -> None:
-    set_param(light, "GMB_PAN_MIN", -60_000)
-    set_param(light, "GMB_TLT_MAX", 30_000)
+    set_param(light, "GMB_PAN_MIN", -60)
+    set_param(light, "GMB_TLT_MAX", 30)
     assert light.mav.command_long(REQUEST_MESSAGE, INFORMATION, target=GIMBAL).result == ACCEPTED
     info = light.mav.recv("GIMBAL_DEVICE_INFORMATION", timeout_us=0)
     limits = (info.yaw_min, info.yaw_max, info.pitch_min, info.pitch_max)

@@ -231,7 +231,7 @@ def slow(real: Start, tmp_path: Path) -> Start:
 def _store(light: RealLight) -> None:
     """Sets a parameter; its write is under way."""
     assert light.process.stdin is not None
-    light.process.stdin.write(b"param set LGT_SRC_HOLD 7000\n")
+    light.process.stdin.write(b"param set LGT_SRC_HOLD 7\n")
     light.process.stdin.flush()
     light.until("a write", lambda: _is_writing(light))
 

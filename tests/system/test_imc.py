@@ -78,14 +78,14 @@ def wanted(**values: str) -> list[object]:
 def test_parameters_are_told_and_set(imc: ImcLight) -> None:
     told = imc.peer.ask("QueryEntityParameters", "EntityParameters", name="Thermal")
     assert told["name"] == b"Thermal"
-    assert parameters(told)[b"THR_SHUTDOWN"] == b"100000"
+    assert parameters(told)[b"THR_SHUTDOWN"] == b"100"
     answer = imc.peer.ask(
         "SetEntityParameters", "EntityParameters", name="Thermal",
-        params=wanted(THR_SHUTDOWN="90000", THR_RECOVER="95000", NONE="1"),
+        params=wanted(THR_SHUTDOWN="90.5", THR_RECOVER="95", NONE="1"),
     )  # fmt: skip
-    assert parameters(answer) == {b"THR_SHUTDOWN": b"90000"}
+    assert parameters(answer) == {b"THR_SHUTDOWN": b"90.5"}
     told = imc.peer.ask("QueryEntityParameters", "EntityParameters", name="Thermal")
-    assert parameters(told)[b"THR_SHUTDOWN"] == b"90000"
+    assert parameters(told)[b"THR_SHUTDOWN"] == b"90.5"
 
 
 def test_parameters_survive_a_power_cut(imc: ImcLight) -> None:

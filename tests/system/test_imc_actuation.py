@@ -198,7 +198,7 @@ def test_power_down_is_announced_and_comes_up_again(imc: ImcLight) -> None:
 
 
 def test_power_down_is_aborted(imc: ImcLight) -> None:
-    assert operate(imc.peer, DOWN, dst_ent=0) == [(DOWN_IP, 10.0)]  # DOWN_TIME_S
+    assert operate(imc.peer, DOWN, dst_ent=0) == [(DOWN_IP, 10.0)]  # DOWN_TIME
     assert operate(imc.peer, ABORTED) == [(ABORTED, 0.0)]
     assert notices(imc.peer.pass_time(20_000_000)) == []
     assert channels(imc.peer)[b"lamp"] == 1
@@ -352,7 +352,7 @@ def test_remote_stops_a_second_after_the_last_update(imc: ImcLight) -> None:
     rate = 30.0
     imc.peer.ask(
         "SetEntityParameters", "EntityParameters", name="Gimbal",
-        params=[message("EntityParameter", name="GMB_PAN_RATE", value=str(round(rate * 1000)))],
+        params=[message("EntityParameter", name="GMB_PAN_RATE", value=str(rate))],
     )  # fmt: skip
     remote(imc.peer, "Pan=0.5;Ranges=Decimal")
     imc.sim.advance(s=8)

@@ -259,8 +259,8 @@ def test_what_is_refused_is_counted_and_logged(boot: Boot) -> None:
 def test_parameters_of_the_thruster(boot: Boot) -> None:
     peer, shell = boot()
     sim = shell.sim
-    shell("param set ESC_MIN_US 1100")
-    shell("param set ESC_MAX_US 1900")
+    shell("param set ESC_MIN 1100")
+    shell("param set ESC_MAX 1900")
     sim.advance(s=3)
     assert sim.outputs()["pwm"][5]["pulse_ns"] == 1_500_000
     peer.send("SetThrusterActuation", id=0, value=1.0)

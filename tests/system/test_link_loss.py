@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""When every commander is silent, on every protocol, for longer than LGT_LOSS_MS: the fallback."""
+"""When every commander is silent, on every protocol, for longer than LGT_LOSS: the fallback."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LOSS_S = 3
 
 def arm(light: Light, fallback: int) -> None:
     set_param(light, "LGT_FALLBACK", fallback)
-    set_param(light, "LGT_LOSS_MS", LOSS_S * 1000)
+    set_param(light, "LGT_LOSS", LOSS_S)
     assert light.configure(40, 0, 100) == ACCEPTED
     assert light.on() == ACCEPTED
 
@@ -56,10 +56,10 @@ def test_off_is_off_after_the_time_and_not_before(light: Light) -> None:
 
 def test_beacon_is_the_strobe_of_its_parameters(light: Light) -> None:
     assert set_param(light, "LGT_CURVE", 0) == 0  # brightness is light
-    set_param(light, "BCN_PERIOD_US", 1_500_000)
-    set_param(light, "BCN_DUTY", 200_000)
-    assert set_param(light, "BCN_DUTY", 0) == 200_000  # refused: never lit
-    set_param(light, "BCN_BRIGHT", 700_000)
+    set_param(light, "BCN_PERIOD", 1.5)
+    set_param(light, "BCN_DUTY", 20)
+    assert set_param(light, "BCN_DUTY", 0) == 20  # refused: never lit
+    set_param(light, "BCN_BRIGHT", 70)
     arm(light, BEACON)
     silence(light, 5 * SECOND_US)
     light.sim.edges()
@@ -92,7 +92,7 @@ def test_beacon_lights_a_lamp_that_was_off_and_ends_a_program(udp_light: Light) 
 
 
 def test_beacon_is_no_brighter_than_heat_allows(udp_light: Light) -> None:
-    safe = get_param(udp_light, "THR_SAFE")
+    safe = get_param(udp_light, "THR_SAFE") * 10_000  # % to ppm
     udp_light.sim.fault("thermistor", "open")
     arm(udp_light, BEACON)
     silence(udp_light, 5 * SECOND_US)

@@ -404,23 +404,23 @@ def test_other_reboots_are_denied(udp_light: Light, params: tuple[float, ...]) -
 
 @pytest.mark.parametrize("action", [2, 4])
 def test_parameters_go_back_to_their_defaults_and_are_told(udp_light: Light, action: int) -> None:
-    assert set_param(udp_light, "STRB_MIN_US", 20_000) == 20_000
+    assert set_param(udp_light, "STRB_MIN", 0.02) == 0.02
     udp_light.mav.drain()
     udp_light.mav.inbox.clear()
     assert udp_light.mav.command_long(STORAGE, action, -1).result == ACCEPTED
     told = [m.param_id for m in of("PARAM_VALUE", udp_light.mav.pass_time(1_000_000))]
-    assert told == ["STRB_MIN_US"]
-    assert get_param(udp_light, "STRB_MIN_US") == 10_000
+    assert told == ["STRB_MIN"]
+    assert get_param(udp_light, "STRB_MIN") == 0.01
     udp_light.sim.reset()
     udp_light.greet()
-    assert get_param(udp_light, "STRB_MIN_US") == 10_000
+    assert get_param(udp_light, "STRB_MIN") == 0.01
 
 
 def test_reading_and_writing_the_store_have_nothing_to_do(udp_light: Light) -> None:
-    assert set_param(udp_light, "STRB_MIN_US", 20_000) == 20_000
+    assert set_param(udp_light, "STRB_MIN", 0.02) == 0.02
     for action in (0, 1):
         assert udp_light.mav.command_long(STORAGE, action).result == ACCEPTED
-    assert get_param(udp_light, "STRB_MIN_US") == 20_000
+    assert get_param(udp_light, "STRB_MIN") == 0.02
 
 
 @pytest.mark.parametrize("action", [3, 5, -1, NAN, 0.5])

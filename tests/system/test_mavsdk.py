@@ -73,14 +73,14 @@ def test_status_shows_what_was_commanded(seen: dict[str, Any]) -> None:
 def test_parameters_are_listed_and_set(seen: dict[str, Any]) -> None:
     parameters = seen["parameters"]
     assert parameters["others"] == 0
-    assert parameters["ints"]["STRB_MIN_US"] == 10_000
-    assert parameters["ints"]["THR_SHUTDOWN"] == 100_000
-    assert parameters["after_set"] == 20_000
+    assert parameters["floats"]["STRB_MIN"] == pytest.approx(0.01, rel=1e-7)
+    assert parameters["floats"]["THR_SHUTDOWN"] == 100
+    assert parameters["after_set"] == pytest.approx(0.02, rel=1e-7)
 
 
 def test_refused_parameters_say_why(seen: dict[str, Any]) -> None:
     assert seen["parameters"]["refusals"] == {
-        "STRB_MIN_US": "VALUE_OUT_OF_RANGE",
+        "STRB_MIN": "VALUE_OUT_OF_RANGE",
         "LGT_SRC_NOW": "READ_ONLY",
         "NOT_THERE": "DOES_NOT_EXIST",
     }
@@ -97,6 +97,6 @@ def test_files_come_whole_in_bursts_and_one_by_one(seen: dict[str, Any]) -> None
 
 def test_metadata_describes_every_parameter(seen: dict[str, Any]) -> None:
     rows = {row["name"]: row for row in seen["metadata"]["parameters"]}
-    assert rows.keys() == seen["parameters"]["ints"].keys()
-    assert rows["THR_SHUTDOWN"]["units"] == "mdegC"
-    assert rows["THR_SHUTDOWN"]["default"] == 100_000
+    assert rows.keys() == seen["parameters"]["floats"].keys()
+    assert rows["THR_SHUTDOWN"]["units"] == "degC"
+    assert rows["THR_SHUTDOWN"]["default"] == 100

@@ -10,7 +10,7 @@ from MAVProxy.modules.lib import param_ftp
 
 from ftp_client import OPEN, TERMINATE, FtpClient
 from harness import Light, light_on, of
-from parameters import ask_list, get_param, set_param, value_of
+from parameters import ask_list, get_param, set_param, shortest, value_of
 from pharos import Simulator
 
 PACK = "@PARAM/param.pck"
@@ -28,8 +28,8 @@ def decode(content: bytes) -> tuple[Values, Values | None]:
     """Values and, if the file has them, defaults."""
     data = param_ftp.ftp_param_decode(content)
     assert data is not None
-    defaults = data.defaults and {name.decode(): value for name, value, _ in data.defaults}
-    return {name.decode(): value for name, value, _ in data.params}, defaults
+    defaults = data.defaults and {n.decode(): shortest(value) for n, value, _ in data.defaults}
+    return {n.decode(): shortest(value) for n, value, _ in data.params}, defaults
 
 
 def listed(light: Light) -> Values:
@@ -45,7 +45,7 @@ def listed(light: Light) -> Values:
 def test_the_file_has_what_the_list_has(udp_light: Light, ftp: FtpClient, path: str) -> None:
     defaults = listed(udp_light)
     set_param(udp_light, "LGT_RESTORE", 1)
-    set_param(udp_light, "THR_SHUTDOWN", 95_000)
+    set_param(udp_light, "THR_SHUTDOWN", 95.5)
     values, told = decode(ftp.read(path))
     assert values == listed(udp_light)
     assert list(values) == list(defaults)
@@ -67,16 +67,16 @@ def test_parameters_that_change_while_it_is_read(udp_light: Light, ftp: FtpClien
         part = ftp.ask(5, session=session, size=30, offset=len(content))
         content += part.data
         set_param(udp_light, "LGT_RESTORE", 1)
-        set_param(udp_light, "THR_SHUTDOWN", 90_000 + len(content))
+        set_param(udp_light, "THR_SHUTDOWN", 90 + len(content) / 1000)
     assert decode(content) == (before, before)
     udp_light.collect(0)
     assert ftp.ask(TERMINATE, session=session).error == 0
     told = of("PARAM_VALUE", udp_light.mav.pass_time(2_000_000))
     assert {m.param_id: value_of(m) for m in told} == {
         "LGT_RESTORE": 1,
-        "THR_SHUTDOWN": 90_000 + length,
+        "THR_SHUTDOWN": shortest(90 + length / 1000),
     }
-    assert get_param(udp_light, "THR_SHUTDOWN") == 90_000 + length
+    assert get_param(udp_light, "THR_SHUTDOWN") == shortest(90 + length / 1000)
     assert decode(ftp.read(PACK))[0] == listed(udp_light)
 
 

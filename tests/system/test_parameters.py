@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Parameters over the wire: every read, list and set, on each transport, and across a reset.
 
-Values are INT32 in the bytes of a float (MAV_PARAM_TYPE_INT32 6, bytewise)."""
+Values are REAL32 (MAV_PARAM_TYPE 9) in the units that people use."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from pharos import MavlinkConnection, Simulator, Source, Target
 DOES_NOT_EXIST = 1
 OUT_OF_RANGE = 2
 READ_ONLY = 5
-TYPE_MISMATCH = 7
+TYPE_UNSUPPORTED = 6
 
 EVERYONE = Target(0, 0)
 
@@ -46,7 +46,7 @@ def values(messages: list[Any]) -> list[Any]:
     return [m for m in messages if m.get_type() == "PARAM_VALUE"]
 
 
-def listed(light: Light, seconds: float = 3.0) -> dict[str, int]:
+def listed(light: Light, seconds: float = 3.0) -> dict[str, float]:
     """A whole list: every index once, names unique."""
     light.mav.drain()
     light.mav.inbox.clear()
@@ -68,17 +68,17 @@ def test_the_list_is_complete_and_says_what_the_shell_says(
     shell = Shell(sim)
     for name in ("MAV_SYSID", "THR_SHUTDOWN", "CAN_LIGHT_ID", "THR_SENS_MIN"):
         line = next(li for li in shell(f"param get {name}").splitlines() if li.startswith(name))
-        assert int(line.split()[1]) == table[name]
-    assert table["THR_SENS_MIN"] == -55_000  # CONFIG_PHAROS_THERMAL_SENSOR_MIN_MDEGC
+        assert float(line.split()[1]) == table[name]
+    assert table["THR_SENS_MIN"] == -55  # CONFIG_PHAROS_THERMAL_SENSOR_MIN_MDEGC
 
 
 def test_a_parameter_reads_by_name_and_by_index(light: Light) -> None:
-    ask(light, "STRB_MIN_US")
+    ask(light, "STRB_MIN")
     by_name = light.mav.recv("PARAM_VALUE")
-    assert (by_name.param_id, value_of(by_name)) == ("STRB_MIN_US", 10_000)
+    assert (by_name.param_id, value_of(by_name)) == ("STRB_MIN", 0.01)
     ask(light, index=by_name.param_index)
     by_index = light.mav.recv("PARAM_VALUE")
-    assert (by_index.param_id, value_of(by_index)) == ("STRB_MIN_US", 10_000)
+    assert (by_index.param_id, value_of(by_index)) == ("STRB_MIN", 0.01)
     assert by_index.param_count == by_name.param_count
 
 
@@ -89,12 +89,12 @@ def test_a_set_is_in_force_and_outlives_a_reset(
     sim = start(wires, options=["--settings", "{folder}/settings"])
     light = light_on(sim, transport=transport)
     assert light.status().min_strobe_period == pytest.approx(0.01)
-    assert set_param(light, "STRB_MIN_US", 20_000) == 20_000
+    assert set_param(light, "STRB_MIN", 0.02) == 0.02
     assert light.status().min_strobe_period == pytest.approx(0.02)
     light.sim.advance(s=1)  # the storage thread has written it
     light.sim.reset()
     light.greet()
-    assert get_param(light, "STRB_MIN_US") == 20_000
+    assert get_param(light, "STRB_MIN") == 0.02
     assert light.status().min_strobe_period == pytest.approx(0.02)
 
 
@@ -104,15 +104,15 @@ def test_a_set_is_in_force_and_outlives_a_reset(
         ("LGT_SRC_NOW", as_float(1), INT32, READ_ONLY),
         ("LGT_CURVE", as_float(2), INT32, OUT_OF_RANGE),
         ("LGT_CURVE", as_float(-1), INT32, OUT_OF_RANGE),
-        ("THR_RECOVER", as_float(90_000), INT32, OUT_OF_RANGE),  # above THR_THROTTLE
+        ("THR_RECOVER", as_float(90), INT32, OUT_OF_RANGE),  # above THR_THROTTLE
         ("LGT_CURVE", math.nan, INT32, OUT_OF_RANGE),  # the bits of a NaN, 0x7FC00000
         ("LGT_CURVE", math.nan, REAL32, OUT_OF_RANGE),
         ("LGT_CURVE", math.inf, REAL32, OUT_OF_RANGE),
         ("LGT_CURVE", 0.5, REAL32, OUT_OF_RANGE),
-        ("LGT_CURVE", as_float(0), 8, TYPE_MISMATCH),  # INT64
-        ("LGT_CURVE", as_float(0), 10, TYPE_MISMATCH),  # REAL64
-        ("LGT_CURVE", as_float(0), 0, TYPE_MISMATCH),
-        ("LGT_CURVE", as_float(0), 255, TYPE_MISMATCH),
+        ("LGT_CURVE", as_float(0), 8, TYPE_UNSUPPORTED),  # INT64
+        ("LGT_CURVE", as_float(0), 10, TYPE_UNSUPPORTED),  # REAL64
+        ("LGT_CURVE", as_float(0), 0, TYPE_UNSUPPORTED),
+        ("LGT_CURVE", as_float(0), 255, TYPE_UNSUPPORTED),
     ],
 )
 def test_a_refused_set_says_why_and_what_is_in_force(
@@ -129,21 +129,42 @@ def test_a_refused_set_says_why_and_what_is_in_force(
 
 
 def test_a_refused_set_is_answered_on_every_transport(light: Light) -> None:
-    send_set(light.mav, "LGT_CURVE", as_float(7))
+    send_set(light.mav, "LGT_CURVE", 7)
     assert light.mav.recv("PARAM_ERROR").error == OUT_OF_RANGE
     assert value_of(light.mav.recv("PARAM_VALUE", timeout_us=0)) == 1
 
 
-def test_a_float_that_is_a_whole_number_is_taken(udp_light: Light) -> None:
-    send_set(udp_light.mav, "STRB_MIN_US", 30_000.0, REAL32)
-    assert value_of(udp_light.mav.recv("PARAM_VALUE")) == 30_000
+@pytest.mark.parametrize(
+    ("name", "asked", "taken"),
+    [
+        ("STRB_MIN", 0.03, 0.03),
+        ("STRB_MAX", 12.3456789, 12.345679),  # the nearest step: a microsecond
+        ("THR_SHUTDOWN", 99.9996, 100),
+        ("SYNC_FILT", 49.6, 50),  # whole microseconds
+        ("LGT_LOSS", 0.0004, 0),
+        ("LGT_CURVE", 0.0, 0),
+    ],
+)
+def test_between_two_steps_the_nearer_one_is_taken_and_told(
+    udp_light: Light, name: str, asked: float, taken: float
+) -> None:
+    assert set_param(udp_light, name, asked) == taken
+    assert get_param(udp_light, name) == taken
+    assert not [m for m in udp_light.mav.inbox if m.get_type() == "PARAM_ERROR"]
+
+
+def test_an_integer_is_that_number_of_the_unit(udp_light: Light) -> None:
+    send_set(udp_light.mav, "THR_SHUTDOWN", as_float(95), INT32)
+    assert value_of(udp_light.mav.recv("PARAM_VALUE")) == 95
+    send_set(udp_light.mav, "LGT_LOSS", as_float(3600), INT32)
+    assert value_of(udp_light.mav.recv("PARAM_VALUE")) == 3600
 
 
 def test_a_name_that_nobody_has_is_refused_to_him_who_asked_this_component(light: Light) -> None:
     ask(light, "NOT_A_NAME")
     refusal = light.mav.recv("PARAM_ERROR")
     assert (refusal.param_id, refusal.error) == ("NOT_A_NAME", DOES_NOT_EXIST)
-    send_set(light.mav, "NOT_A_NAME", as_float(1))
+    send_set(light.mav, "NOT_A_NAME", 1)
     refusal = light.mav.recv("PARAM_ERROR")
     assert (refusal.param_id, refusal.error) == ("NOT_A_NAME", DOES_NOT_EXIST)
     ask(light, index=9_999)
@@ -151,7 +172,7 @@ def test_a_name_that_nobody_has_is_refused_to_him_who_asked_this_component(light
     assert (refusal.param_index, refusal.error) == (9_999, DOES_NOT_EXIST)
     for target in (EVERYONE, Target(1, 0)):
         ask(light, "SERVO1_MIN", target=target)  # the autopilot's
-        send_set(light.mav, "SERVO1_MIN", as_float(1), target=target)
+        send_set(light.mav, "SERVO1_MIN", 1, target=target)
     came = light.collect(1)
     assert not [m for m in came if m.get_type().startswith("PARAM_")]
 
@@ -160,7 +181,7 @@ def test_everyone_is_asked_and_the_light_answers(light: Light) -> None:
     for target in (EVERYONE, Target(1, 0), Target(1, 243)):
         ask(light, "LGT_CURVE", target=target)
         assert light.mav.recv("PARAM_VALUE").param_id == "LGT_CURVE"
-        send_set(light.mav, "LGT_RESTORE", as_float(1), target=target)
+        send_set(light.mav, "LGT_RESTORE", 1, target=target)
         assert value_of(light.mav.recv("PARAM_VALUE")) == 1
         ask_list(light.mav, target)
         came = values(light.collect(3))
@@ -170,7 +191,7 @@ def test_everyone_is_asked_and_the_light_answers(light: Light) -> None:
 def test_others_are_not_answered_for(light: Light) -> None:
     for target in (Target(1, 1), Target(2, 243), Target(2, 0)):
         ask(light, "LGT_CURVE", target=target)
-        send_set(light.mav, "LGT_CURVE", as_float(0), target=target)
+        send_set(light.mav, "LGT_CURVE", 0, target=target)
         ask_list(light.mav, target)
     assert not [m for m in light.collect(3) if m.get_type().startswith("PARAM_")]
     assert get_param(light, "LGT_CURVE") == 1
@@ -181,7 +202,7 @@ def test_a_mavlink_1_ground_station_sets_parameters(light: Light) -> None:
     light.mav.version = 1
     light.greet()
     assert set_param(light, "LGT_RESTORE", 1) == 1
-    send_set(light.mav, "LGT_RESTORE", as_float(2))
+    send_set(light.mav, "LGT_RESTORE", 2)
     came = [m for m in light.collect(1) if m.get_type().startswith("PARAM_")]
     # PARAM_ERROR 345 can't be said in MAVLink 1: the value in force has to do.
     assert [(m.get_type(), value_of(m)) for m in came] == [("PARAM_VALUE", 1)]

@@ -22,9 +22,9 @@ def test_the_page_is_not_stale() -> None:
 
 def test_the_page_has_every_parameter_of_the_light_and_its_default(udp_light: Light) -> None:
     page = (ROOT / "docs" / "parameters.md").read_text(encoding="utf-8")
-    rows = dict(re.findall(r"^\| `(\w+)` \| (-?\d+) \|", page, re.MULTILINE))
+    rows = dict(re.findall(r"^\| `(\w+)` \| (-?[\d.]+) \|", page, re.MULTILINE))
     udp_light.mav.inbox.clear()
     ask_list(udp_light.mav)
     came = [m for m in udp_light.collect(5) if m.get_type() == "PARAM_VALUE"]
     assert {m.param_id for m in came} == set(rows)
-    assert rows["THR_SHUTDOWN"] == "100000"  # CONFIG_PHAROS_THERMAL_SHUTDOWN_MDEGC
+    assert rows["THR_SHUTDOWN"] == "100"  # CONFIG_PHAROS_THERMAL_SHUTDOWN_MDEGC

@@ -14,22 +14,22 @@ import pytest
 
 from harness import CONSOLE, WIRES, Light, Shell, light_on
 from imc_light import join
-from parameters import as_float, get_param, send_set, set_param
+from parameters import get_param, send_set, set_param
 from pharos import Simulator
 from pharos.imc import ImcPeer, message
 
 LIMITS = ("THR_RECOVER", "THR_THROTTLE", "THR_SHUTDOWN")
-COLD, HOT = (30_000, 40_000, 50_000), (55_000, 60_000, 65_000)
+COLD, HOT = (30, 40, 50), (55, 60, 65)
 
 # Bytes of a word of flash that has a checksum; 1: none. 8 is an STM32G4's, 32 an H7's.
 WORDS = (1, 8, 32)
 
 
-def limits(light: Light) -> tuple[int, ...]:
+def limits(light: Light) -> tuple[float, ...]:
     return tuple(get_param(light, name) for name in LIMITS)
 
 
-def cuts(light: Light, word: int, change: Callable[[], None]) -> Iterator[tuple[int, ...]]:
+def cuts(light: Light, word: int, change: Callable[[], None]) -> Iterator[tuple[float, ...]]:
     """What is left of `change` after a cut at byte 0, 1, …, until nothing is cut any more."""
     whole = 0
     for byte in range(2000):
@@ -55,12 +55,12 @@ def test_burst_of_parameters(start: Callable[..., Simulator], word: int) -> None
 
     def burst() -> None:
         for name, value in reversed(list(zip(LIMITS, HOT, strict=True))):
-            send_set(light.mav, name, as_float(value))
+            send_set(light.mav, name, value)
 
-    in_order: list[tuple[int, ...]] = [
+    in_order: list[tuple[float, ...]] = [
         COLD,
-        (30_000, 40_000, 65_000),
-        (30_000, 60_000, 65_000),
+        (30, 40, 65),
+        (30, 60, 65),
         HOT,
     ]
     left = list(cuts(light, word, burst))
@@ -92,11 +92,11 @@ def test_light_and_parameter_keep_their_order(start: Callable[..., Simulator]) -
     light = light_on(start({"uart0": WIRES["udp"]}))
     set_param(light, "LGT_RESTORE", 1)
     light.configure(60, 0.5, 25)
-    set_param(light, "SYNC_PULSE_US", 4000)
+    set_param(light, "SYNC_PULSE", 4000)
     light.sim.advance(100_000)
     light.sim.request("reset", cause="brownout")
     light.greet()
-    assert get_param(light, "SYNC_PULSE_US") == 4000
+    assert get_param(light, "SYNC_PULSE") == 4000
     assert light.status().brightness == 60.0
 
 
@@ -120,7 +120,8 @@ def old_params(**values: int) -> dict[str, bytes]:
 
 # 40 %, 0.5 s, 10 %, internal, on; all power channels but the camera's; a key at 2^40.
 OLD = {
-    **old_params(LGT_RESTORE=1, STRB_MIN_US=20_000, **dict(zip(LIMITS, COLD, strict=True))),
+    **old_params(LGT_RESTORE=1, STRB_MIN_US=20_000),
+    **old_params(**{name: 1000 * value for name, value in zip(LIMITS, COLD, strict=True)}),
     "pharos/light": struct.pack("<IIIBBxx", 400_000, 500_000, 100_000, 1, 1),
     "pharos/power": b"\x0b",
     "pharos/signing": struct.pack("<Q", 1 << 40) + bytes(range(32)),
@@ -129,7 +130,7 @@ OLD = {
 
 def shown(shell: Shell) -> str:
     """What the shell tells of it."""
-    params = [shell(f"param get {name}").splitlines()[1] for name in (*LIMITS, "STRB_MIN_US")]
+    params = [shell(f"param get {name}").splitlines()[1] for name in (*LIMITS, "STRB_MIN")]
     told = [shell(line) for line in ("light status", "power status", "signing status")]
     wanted = ("brightness", "strobe", "enable", "camera", "aux", "key")
     return "\n".join(params + [x for t in told for x in t.splitlines() if x.startswith(wanted)])
@@ -147,14 +148,14 @@ def test_values_of_an_earlier_version_are_taken_over(
     light = light_on(sim)
     shell = Shell(sim)
     first = shown(shell)
-    for value in (*COLD, 20_000):
+    for value in (*COLD, 0.02):
         assert re.search(rf"^\w+ +{value} ", first, re.MULTILINE)
     assert re.search(r"^brightness +40 %$", first, re.MULTILINE)
     assert re.search(r"^enable +on$", first, re.MULTILINE)
     assert re.search(r"^camera +off, after a start off$", first, re.MULTILINE)
     assert re.search(r"^key +set$", first, re.MULTILINE)
     for value in range(5000, 5040):  # the old values go when their place is needed
-        shell(f"param set SYNC_PULSE_US {value}")
+        shell(f"param set SYNC_PULSE {value}")
     assert b"pharos/0" in path.read_bytes()
     assert b"pharos/param" not in path.read_bytes()
     sim.reset()
@@ -171,4 +172,4 @@ def test_half_a_change_that_an_earlier_version_has_left_is_not_mended_towards_he
     path.write_bytes(old_store(old_params(THR_RECOVER=55_000, THR_THROTTLE=40_000,
                                           THR_SHUTDOWN=50_000)))  # fmt: skip
     light = light_on(start({"uart0": WIRES["udp"]}, options=("--settings", str(path))))
-    assert limits(light) == (39_999, 40_000, 50_000)
+    assert limits(light) == (39.999, 40, 50)

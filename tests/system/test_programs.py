@@ -55,7 +55,7 @@ def test_anti_collision_flashes_at_its_rate(udp_light: Light, rate: int) -> None
 
 def test_double_flash(udp_light: Light) -> None:
     set_param(udp_light, "PRG_RATE", 50)
-    set_param(udp_light, "PRG_FLASH_MS", 60)
+    set_param(udp_light, "PRG_FLASH", 0.06)
     edges = run(udp_light, DOUBLE_FLASH, 30)
     # every 1.2 s: 60 ms lit, 60 ms dark, 60 ms lit, and dark for the rest
     expected = [(True, 60_000), (False, 60_000), (True, 60_000), (False, 1_020_000)]
@@ -64,7 +64,7 @@ def test_double_flash(udp_light: Light) -> None:
 
 @pytest.mark.parametrize("dot_ms", [50, 200, 1000])
 def test_sos_is_morse(udp_light: Light, dot_ms: int) -> None:
-    set_param(udp_light, "PRG_DOT_MS", dot_ms)
+    set_param(udp_light, "PRG_DOT", dot_ms / 1000)
     edges = run(udp_light, SOS, 4 * 34 * dot_ms / 1000)
     once = morse("SOS", dot_ms * 1000)
     assert sum(length for _, length in once) == 34 * dot_ms * 1000
@@ -140,7 +140,7 @@ def test_brightness_and_heat_limit_a_program(udp_light: Light) -> None:
     assert udp_light.configure(40, 0.0, 100) == ACCEPTED
     assert max(e.level_ppm for e in run(udp_light, FADE, 8)) == pytest.approx(396_000, rel=0.01)
     # the sensor fails: no more than THR_SAFE, whatever the program says
-    safe = get_param(udp_light, "THR_SAFE")
+    safe = get_param(udp_light, "THR_SAFE") * 10_000  # % to ppm
     udp_light.sim.fault("thermistor", "open")
     udp_light.sim.advance(s=2)
     udp_light.sim.edges()

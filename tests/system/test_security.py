@@ -17,7 +17,7 @@ from dronecan_peer import Peer
 from ftp_client import WRITES, FtpClient
 from harness import CONSOLE, ROOT, WIRES, Light, Shell, light_on, of
 from imc_light import join
-from parameters import as_float, ask, send_set
+from parameters import ask, send_set
 from pharos import SilentError, Simulator
 from pharos.imc import ImcPeer, message
 from signing_attacks import KEY, OTHER_KEY
@@ -101,7 +101,7 @@ class World:
         ):
             self.shell(line)
         if cell.right == "exist":
-            self.shell("param set LGT_LOSS_MS 3000")
+            self.shell("param set LGT_LOSS 3")
             self.shell("param set LGT_FALLBACK 1")
             self.shell("light on")
         if cell.key:
@@ -113,8 +113,8 @@ class World:
             self.light.mav.sign(KEY, STAMP + 100 * 100_000)
         sim.advance(s=1)
 
-    def read(self, name: str) -> int:
-        return int(self.peer.param(name))
+    def read(self, name: str) -> float:
+        return self.peer.param(name)
 
     def output(self, name: str) -> int:
         return int(self.sim.outputs()[name])
@@ -139,7 +139,7 @@ class MavlinkWay:
     def read(self) -> bool:
         self.light.mav.drain()
         self.light.mav.inbox.clear()
-        ask(self.light, "STRB_MIN_US")
+        ask(self.light, "STRB_MIN")
         self.light.sim.advance(s=1)
         return len(of("PARAM_VALUE", self.light.mav.drain())) == 1
 
@@ -152,8 +152,8 @@ class MavlinkWay:
     def gimbal(self) -> None:
         self._command(DO_MOUNT_CONTROL, 0.0, 0.0, 20.0, 0.0, 0.0, 0.0, 2.0, component=154)
 
-    def set(self, name: str, value: int) -> None:
-        send_set(self.light.mav, name, as_float(value))
+    def set(self, name: str, value: float) -> None:
+        send_set(self.light.mav, name, value)
 
     def key(self) -> None:
         mav = self.light.mav
@@ -174,7 +174,7 @@ class DronecanWay:
         self.peer = world.peer
 
     def read(self) -> bool:
-        return self.peer.param("STRB_MIN_US") == 10_000
+        return self.peer.param("STRB_MIN") == 0.01
 
     def exist(self) -> None:
         self.light_on()
@@ -188,7 +188,7 @@ class DronecanWay:
         )
         self.peer.tell(uavcan.equipment.actuator.ArrayCommand(commands=[command]))
 
-    def set(self, name: str, value: int) -> None:
+    def set(self, name: str, value: float) -> None:
         self.peer.param(name, value)
 
     def restart(self) -> None:
@@ -229,7 +229,7 @@ class ImcWay:
     def outputs(self) -> None:
         self._tell("SetPWM", id=1, period=2000, duty_cycle=500)
 
-    def set(self, name: str, value: int) -> None:
+    def set(self, name: str, value: float) -> None:
         entity = {"THR": "Thermal", "MAV": "MAVLink"}.get(name[:3], "Lamp")
         wanted = [message("EntityParameter", name=name, value=str(value))]
         self._tell("SetEntityParameters", name=entity, params=wanted)
@@ -254,7 +254,7 @@ class ConsoleWay:
     def outputs(self) -> None:
         self.shell("power on aux")
 
-    def set(self, name: str, value: int) -> None:
+    def set(self, name: str, value: float) -> None:
         self.shell(f"param set {name} {value}")
 
     def key(self) -> None:
@@ -289,7 +289,7 @@ WAYS: dict[str, Callable[[World], Any]] = {
 }
 
 
-def _set(world: World, way: Any, name: str, value: int) -> bool:
+def _set(world: World, way: Any, name: str, value: float) -> bool:
     assert world.read(name) != value
     way.set(name, value)
     world.sim.advance(s=1)
@@ -321,8 +321,8 @@ def _tries(world: World, way: Any, right: str) -> bool:
         "light": lambda: _changes(world, way.light_on, lambda: world.output("enable")),
         "gimbal": lambda: _changes(world, way.gimbal, world.pan),
         "outputs": lambda: _changes(world, way.outputs, world.aux),
-        "params": lambda: _set(world, way, "STRB_MIN_US", 50_000),
-        "supervision": lambda: _set(world, way, "THR_SHUTDOWN", 99_000),
+        "params": lambda: _set(world, way, "STRB_MIN", 0.05),
+        "supervision": lambda: _set(world, way, "THR_SHUTDOWN", 99.5),
         "lock": lambda: _set(world, way, lock, other),
         "key": lambda: _changes(
             world, way.key, lambda: re.findall(r"(\d+) obeyed|key +(\w+)",

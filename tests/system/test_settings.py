@@ -13,7 +13,7 @@ from harness import ACCEPTED, CONSOLE, DENIED, WIRES, Light, Shell, light_on, te
 from parameters import get_param, set_param
 from pharos import Simulator
 
-OLD, NEW = 10_000, 50_000  # of STRB_MIN_US: its default, and what is set
+OLD, NEW = 0.01, 0.05  # of STRB_MIN: its default, and what is set
 
 
 @pytest.fixture
@@ -30,16 +30,16 @@ def boot(start: Callable[..., Simulator], tmp_path: Path) -> Callable[[], tuple[
     return begin
 
 
-def _value(shell: Shell, name: str) -> int:
-    found = re.search(rf"^{name}\s+(-?\d+)", shell(f"param get {name}"), re.MULTILINE)
+def _value(shell: Shell, name: str) -> float:
+    found = re.search(rf"^{name}\s+(-?[\d.]+) ", shell(f"param get {name}"), re.MULTILINE)
     assert found is not None
-    return int(found[1])
+    return float(found[1])
 
 
 def test_parameter_is_in_force_at_once(boot: Callable[[], tuple[Light, Shell]]) -> None:
     light, shell = boot()
     assert light.configure(period_s=0.02, duty=50) == ACCEPTED
-    shell(f"param set STRB_MIN_US {NEW}")
+    shell(f"param set STRB_MIN {NEW}")
     assert light.status().min_strobe_period == pytest.approx(0.05)
     assert light.configure(period_s=0.02, duty=50) == DENIED
 
@@ -48,21 +48,21 @@ def test_parameter_survives_a_reset_and_a_restart(
     boot: Callable[[], tuple[Light, Shell]],
 ) -> None:
     light, shell = boot()
-    shell(f"param set STRB_MIN_US {NEW}")
+    shell(f"param set STRB_MIN {NEW}")
     light.sim.advance(s=5)
     light.sim.reset()
     light.greet()
-    assert _value(shell, "STRB_MIN_US") == NEW
+    assert _value(shell, "STRB_MIN") == NEW
     assert light.sim.quit() == 0
     _, shell = boot()
-    assert _value(shell, "STRB_MIN_US") == NEW
+    assert _value(shell, "STRB_MIN") == NEW
 
 
 def test_parameter_out_of_range_is_refused(boot: Callable[[], tuple[Light, Shell]]) -> None:
     _, shell = boot()
-    assert "out of range" in shell("param set STRB_MIN_US 1")
+    assert "out of range" in shell("param set STRB_MIN 0.0009")
     assert "param list" in shell("param set NO_SUCH 1")
-    assert _value(shell, "STRB_MIN_US") == OLD
+    assert _value(shell, "STRB_MIN") == OLD
 
 
 @pytest.mark.parametrize("byte", [*range(0, 40, 3), 100])
@@ -71,17 +71,17 @@ def test_power_cut_at_any_byte_of_a_write_leaves_the_old_or_the_new(
 ) -> None:
     light, shell = boot()
     light.sim.fault("storage", "torn", byte=byte)
-    shell(f"param set STRB_MIN_US {NEW}")
+    shell(f"param set STRB_MIN {NEW}")
     light.sim.advance(s=5)
     light.sim.request("reset", cause="brownout")
     light.greet()
-    assert _value(shell, "STRB_MIN_US") in (OLD, NEW)
+    assert _value(shell, "STRB_MIN") in (OLD, NEW)
     # The store works again, and a later write is kept.
-    shell("param set STRB_MIN_US 70000")
+    shell("param set STRB_MIN 0.07")
     light.sim.advance(s=5)
     light.sim.reset()
     light.greet()
-    assert _value(shell, "STRB_MIN_US") == 70_000
+    assert _value(shell, "STRB_MIN") == 0.07
 
 
 def test_power_cut_at_any_byte_of_any_write_of_parameters_set_over_mavlink(
@@ -91,10 +91,10 @@ def test_power_cut_at_any_byte_of_any_write_of_parameters_set_over_mavlink(
     cut any more; what a torn write leaves behind is tidied up in the next round's first write. What
     is read is what held after one of the sets, in their order: none is half there, and none without
     those before it."""
-    names = ("LGT_LOSS_MS", "SYNC_PULSE_US", "THR_STUCK_MS")
+    names = ("LGT_LOSS", "SYNC_PULSE", "THR_STUCK")
     light = light_on(start({"uart0": WIRES["udp"]}))  # settings in memory, which resets leave
 
-    def stored() -> tuple[int, ...]:
+    def stored() -> tuple[float, ...]:
         return tuple(get_param(light, name) for name in names)
 
     kept: list[int] = []
@@ -102,7 +102,7 @@ def test_power_cut_at_any_byte_of_any_write_of_parameters_set_over_mavlink(
         history = [stored()]
         light.sim.fault("storage", "torn", byte=cut)
         for at, name in enumerate(names):
-            value = 5_000 * (at + 1) + cut
+            value = 500 * (at + 1) + cut
             assert set_param(light, name, value) == value
             light.sim.advance(100_000)
             now = list(history[-1])
@@ -127,11 +127,11 @@ def test_people_are_told_when_settings_cannot_be_stored(
     light.sim.fault("storage", "torn", byte=0)
     light.mav.drain()
     light.mav.inbox.clear()
-    assert set_param(light, "STRB_MIN_US", NEW) == NEW
+    assert set_param(light, "STRB_MIN", NEW) == NEW
     assert [t for t in texts(light.mav.pass_time(1_000_000)) if "stored" in t] == [
         "Settings can't be stored: error -5"  # EIO
     ]
-    set_param(light, "STRB_MIN_US", 2 * NEW)  # again within ten seconds: no news
+    set_param(light, "STRB_MIN", 2 * NEW)  # again within ten seconds: no news
     assert not [t for t in texts(light.mav.pass_time(1_000_000)) if "stored" in t]
     assert light.status().min_strobe_period == pytest.approx(0.1)
 

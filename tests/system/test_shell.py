@@ -113,9 +113,9 @@ def test_backspace_and_control_c_edit_the_line(both: tuple[Light, Shell]) -> Non
 
 def test_names_are_taken_in_either_case(both: tuple[Light, Shell]) -> None:
     shell = both[1]
-    assert "LGT_LOSS_MS" in shell("param get lgt_loss")
-    assert re.search(r"LGT_LOSS_MS +4321 ", shell("param set lgt_Loss_ms 4321"))
-    assert "no parameter" in shell("param set lgt_loss 4321")
+    assert "LGT_LOSS" in shell("param get lgt_loss")
+    assert re.search(r"LGT_LOSS +43\.21 +s ", shell("param set lgt_Loss 43.21"))
+    assert "no parameter" in shell("param set lgt_los 43")
     assert "\nok" in shell("light program SOS")
     assert "sos" in shell("light status")
     assert "uart0" in shell("link stats UART0")
@@ -124,7 +124,7 @@ def test_names_are_taken_in_either_case(both: tuple[Light, Shell]) -> None:
 def test_tab_completes_names_of_parameters_programs_and_links(both: tuple[Light, Shell]) -> None:
     shell = both[1]
     shell.keys("param set LGT_LOS\t")
-    assert re.search(r"LGT_LOSS_MS +1234 ", shell("1234"))
+    assert re.search(r"LGT_LOSS +12\.34 +s ", shell("12.34"))
     shell.keys("light program double\t")
     assert "\nok" in shell("")
     assert "double-flash" in shell("light status")

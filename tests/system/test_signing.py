@@ -129,7 +129,7 @@ def test_only_who_has_the_key_is_a_sign_of_life(
     boot: Callable[..., tuple[Light, Shell]], signs: bool
 ) -> None:
     light, shell = boot()
-    shell("param set LGT_LOSS_MS 3000")
+    shell("param set LGT_LOSS 3")
     shell("param set LGT_FALLBACK 1")
     set_key(shell)
     light.mav.sign(KEY, STAMP + SECOND)
@@ -147,7 +147,7 @@ def test_only_who_has_the_key_is_a_sign_of_life(
 def test_a_stranger_lights_no_beacon(boot: Callable[..., tuple[Light, Shell]]) -> None:
     """LGT_FALLBACK 2 is a beacon once commanders are silent: only those with the key are any."""
     light, shell = boot()
-    shell("param set LGT_LOSS_MS 5000")
+    shell("param set LGT_LOSS 5")
     shell("param set LGT_FALLBACK 2")
     set_key(shell)
     light.sim.advance(s=3)

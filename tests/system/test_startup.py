@@ -129,7 +129,7 @@ def test_a_parameter_allows_the_safe_level_without_a_first_sample(start: Start) 
     sim = start({"uart0": WIRES["udp"]})
     light = Light(sim, sim.connect("uart0"))
     light.greet()
-    set_param(light, "THR_FIRST_MS", 3000)
+    set_param(light, "THR_FIRST", 3)
     sim.advance(s=2)
     _restart(sim, ("adc", "never"))
     sim.advance(2900 * MS)
@@ -163,7 +163,7 @@ def test_short_is_heat(start: Start) -> None:
     sim.advance(110 * MS)
     assert light.level_ppm() == 0
     assert light.status().error_status == OVER_TEMPERATURE | THERMISTOR_FAILURE
-    set_param(light, "THR_HOT", 50_000)
+    set_param(light, "THR_HOT", 5)
     sim.fault("thermistor", "none")
     sim.advance(s=20)
     assert light.level_ppm() == FULL_PPM
@@ -310,7 +310,7 @@ def test_the_shell_waits_for_no_thread_that_is_not_there(start: Start, line: str
 def test_settings_that_are_never_stored_are_told_and_the_light_goes_on(start: Start) -> None:
     light, _ = _begin(start)
     light.sim.fault("chip", "never", name="storage")
-    set_param(light, "LGT_LOSS_MS", 5000)
+    set_param(light, "LGT_LOSS", 5)
     assert light.on() == ACCEPTED
     light.sim.advance(s=12)
     light.mav.drain()

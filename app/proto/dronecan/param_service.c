@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "proto/dronecan/node.h"
 
+#include "core/param_units.h"
+
 #include <string.h>
 
 _Static_assert(PARAMS_NAME_MAX <= sizeof(((struct dronecan_param_get_set_response *)0)->name),
@@ -17,28 +19,21 @@ static uint32_t find(const struct dronecan_param_get_set_request *request)
 	return (request->index < PARAM_COUNT) ? request->index : (uint32_t)PARAM_COUNT;
 }
 
-/* False: no whole number, or none of 32 bits; INT32_MAX + 1 is the first that is too large. */
-static bool as_whole(float real, int32_t *integer)
+/* False: it means nothing that the parameter could be. */
+static bool as_value(const struct param_info *info, const struct dronecan_param_value *wire,
+                     int32_t *value)
 {
-	if (!(real >= -2147483648.0f && real < 2147483648.0f)) {
-		return false;
-	}
-	*integer = (int32_t)real;
-	return (float)*integer == real;
-}
+	uint32_t real;
 
-/* The integer that a value means. False: it means none that a parameter could take. */
-static bool as_integer(const struct dronecan_param_value *value, int32_t *integer)
-{
-	switch (value->tag) {
+	switch (wire->tag) {
 	case DRONECAN_PARAM_VALUE_INTEGER_VALUE:
-		*integer = (int32_t)value->integer_value;
-		return value->integer_value >= INT32_MIN && value->integer_value <= INT32_MAX;
+		return param_from_integer(info, wire->integer_value, value);
 	case DRONECAN_PARAM_VALUE_BOOLEAN_VALUE:
-		*integer = value->boolean_value;
-		return value->boolean_value <= 1;
+		return wire->boolean_value <= 1 &&
+		       param_from_integer(info, wire->boolean_value, value);
 	case DRONECAN_PARAM_VALUE_REAL_VALUE:
-		return as_whole(value->real_value, integer);
+		memcpy(&real, &wire->real_value, sizeof(real));
+		return param_from_real(info, real, value);
 	case DRONECAN_PARAM_VALUE_EMPTY:
 	case DRONECAN_PARAM_VALUE_STRING_VALUE:
 		return false;
@@ -47,26 +42,48 @@ static bool as_integer(const struct dronecan_param_value *value, int32_t *intege
 }
 
 static void set(struct dronecan_node *self, int64_t now_us, uint32_t index,
-                const struct dronecan_param_value *value)
+                const struct dronecan_param_value *wire)
 {
-	int32_t integer;
+	int32_t value;
 
-	if (!as_integer(value, &integer) ||
-	    pharos_device_set_param(self->device, now_us, &who, index, integer) != PARAMS_OK) {
+	if (!as_value(params_info(index), wire, &value) ||
+	    pharos_device_set_param(self->device, now_us, &who, index, value) != PARAMS_OK) {
 		self->stats.params_refused++;
 	}
 }
 
-static struct dronecan_param_numeric_value numeric(int32_t value)
+static float real(const struct param_info *info, int32_t value)
 {
+	const uint32_t bits = param_to_real(info, value);
+	float wire;
+
+	memcpy(&wire, &bits, sizeof(wire));
+	return wire;
+}
+
+/* What has decimals is a real value, all else an integer: so editors offer what can be set. */
+static struct dronecan_param_numeric_value numeric(const struct param_info *info, int32_t value)
+{
+	if (info->decimals > 0) {
+		return (struct dronecan_param_numeric_value){
+			.tag = DRONECAN_PARAM_NUMERIC_VALUE_REAL_VALUE,
+			.real_value = real(info, value),
+		};
+	}
 	return (struct dronecan_param_numeric_value){
 		.tag = DRONECAN_PARAM_NUMERIC_VALUE_INTEGER_VALUE,
 		.integer_value = value,
 	};
 }
 
-static struct dronecan_param_value integer(int32_t value)
+static struct dronecan_param_value wire_of(const struct param_info *info, int32_t value)
 {
+	if (info->decimals > 0) {
+		return (struct dronecan_param_value){
+			.tag = DRONECAN_PARAM_VALUE_REAL_VALUE,
+			.real_value = real(info, value),
+		};
+	}
 	return (struct dronecan_param_value){
 		.tag = DRONECAN_PARAM_VALUE_INTEGER_VALUE,
 		.integer_value = value,
@@ -85,10 +102,10 @@ static void answer(struct dronecan_node *self, int64_t now_us,
 
 	memset(response, 0, sizeof(*response));
 	if (info != NULL && params_get(&self->device->params, index, &value) == PARAMS_OK) {
-		response->value = integer(value);
-		response->default_value = integer(info->fallback);
-		response->max_value = numeric(info->max);
-		response->min_value = numeric(info->min);
+		response->value = wire_of(info, value);
+		response->default_value = wire_of(info, info->fallback);
+		response->max_value = numeric(info, info->max);
+		response->min_value = numeric(info, info->min);
 		response->name_len = (uint8_t)strlen(info->name);
 		memcpy(response->name, info->name, response->name_len);
 	}

@@ -1,63 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "proto/imc/node.h"
 
-#include <string.h>
+#include "core/param_units.h"
 
-/* "-2147483648" */
-#define NUMBER_MAX 11
-
-/* --- numbers as text -------------------------------------------------------------------------- */
-
-/* The text of a number, at the end of the buffer; its length. */
-static struct imc_text print(char buffer[NUMBER_MAX], int32_t value)
+/* "-40", "40.5"; "true", "false". */
+static bool parse(const struct param_info *info, const struct imc_text *text, int32_t *value)
 {
-	uint32_t rest = value < 0 ? 0u - (uint32_t)value : (uint32_t)value;
-	uint16_t at = NUMBER_MAX;
-
-	do {
-		buffer[--at] = (char)('0' + rest % 10u);
-		rest /= 10u;
-	} while (rest > 0);
-	if (value < 0) {
-		buffer[--at] = '-';
-	}
-	return (struct imc_text){.bytes = &buffer[at], .length = (uint16_t)(NUMBER_MAX - at)};
-}
-
-/* After a decimal point only zeros may follow: parameters are whole numbers. */
-static bool is_zeros(const struct imc_text *text, uint16_t from)
-{
-	for (uint16_t i = from; i < text->length; i++) {
-		if (text->bytes[i] != '0') {
-			return false;
-		}
-	}
-	return true;
-}
-
-/* "-40", "40.000", "true", "false". */
-static bool parse(const struct imc_text *text, int32_t *value)
-{
-	const bool negative = text->length > 0 && text->bytes[0] == '-';
-	const uint16_t first = negative ? 1 : 0;
-	int64_t magnitude = 0;
-	uint16_t at = first;
-
 	if (imc_text_is(text, "true") || imc_text_is(text, "false")) {
-		*value = imc_text_is(text, "true") ? 1 : 0;
-		return true;
+		return param_from_integer(info, imc_text_is(text, "true") ? 1 : 0, value);
 	}
-	while (at < text->length && text->bytes[at] >= '0' && text->bytes[at] <= '9' &&
-	       magnitude <= INT32_MAX) {
-		magnitude = 10 * magnitude + (text->bytes[at] - '0');
-		at++;
-	}
-	if (at == first || magnitude > (int64_t)INT32_MAX + (negative ? 1 : 0) ||
-	    (at < text->length && (text->bytes[at] != '.' || !is_zeros(text, at + 1)))) {
-		return false;
-	}
-	*value = (int32_t)(negative ? -magnitude : magnitude);
-	return true;
+	return param_parse(info, text->bytes, text->length, value);
 }
 
 /* --- messages --------------------------------------------------------------------------------- */
@@ -77,10 +29,13 @@ static void add(struct imc_node *self, struct imc_message *message, enum imc_ent
 {
 	struct imc_parameter_list *const list = &message->entity_parameters.params;
 	const struct param_info *const info = params_info(index);
-	char number[NUMBER_MAX];
+	char number[DECIMAL_TEXT_MAX];
+
+	(void)param_print(info, self->device->params.values[index], number);
+
 	const struct imc_entity_parameter parameter = {
 		.name = imc_text_of(info->name),
-		.value = print(number, self->device->params.values[index]),
+		.value = imc_text_of(number),
 	};
 
 	if (!imc_parameters_add(list, self->list, IMC_LIST_MAX, &parameter)) {
@@ -134,7 +89,7 @@ static bool set(struct imc_node *self, int64_t now_us, uint32_t index, const str
 	static const struct device_who who = {.way = SECURITY_WAY_IMC};
 	int32_t value;
 
-	if (index == PARAM_COUNT || !parse(text, &value) ||
+	if (index == PARAM_COUNT || !parse(params_info(index), text, &value) ||
 	    pharos_device_set_param(self->device, now_us, &who, index, value) != PARAMS_OK) {
 		self->stats.params_refused++;
 		return false;

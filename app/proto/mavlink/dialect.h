@@ -33,7 +33,7 @@ _Static_assert(MAVLINK_MSG_ID_COMPONENT_METADATA == 397, "common.xml");
 _Static_assert(MAVLINK_MSG_ID_COMPONENT_METADATA_CRC == 182, "common.xml");
 _Static_assert(MAVLINK_MSG_ID_PARAM_ERROR == 345, "common.xml");
 _Static_assert(MAVLINK_MSG_ID_PARAM_ERROR_CRC == 209, "common.xml");
-_Static_assert(MAV_PARAM_ERROR_TYPE_MISMATCH == 7, "common.xml");
+_Static_assert(MAV_PARAM_ERROR_TYPE_UNSUPPORTED == 6, "common.xml");
 _Static_assert(MAVLINK_MSG_ID_COMMAND_CANCEL == 80, "common.xml");
 _Static_assert(MAVLINK_MSG_ID_COMMAND_CANCEL_CRC == 14, "common.xml");
 _Static_assert(MAV_RESULT_CANCELLED == 6, "common.xml");

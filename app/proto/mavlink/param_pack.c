@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "proto/mavlink/param_pack.h"
 
+#include "core/param_units.h"
+
 #include <string.h>
 
 #define MAGIC               0x671Bu
 #define MAGIC_WITH_DEFAULTS 0x671Cu
-/* AP_PARAM_INT32; 4 is a float */
-#define TYPE_INT32          3u
+/* AP_PARAM_FLOAT */
+#define TYPE_FLOAT          4u
 #define FLAG_DEFAULT        0x10u
 /* Each of the two lengths of a name has 4 bits; a rest is never empty. */
 #define SHARED_MAX          15u
@@ -73,14 +75,14 @@ static void put_param(struct window *window, const char *before, uint32_t index,
 	const uint8_t shared = shared_length(before, info->name);
 	const uint8_t rest = (uint8_t)(strlen(info->name) - shared);
 
-	put_byte(window, (uint8_t)(TYPE_INT32 | (has_default ? FLAG_DEFAULT : 0)));
+	put_byte(window, (uint8_t)(TYPE_FLOAT | (has_default ? FLAG_DEFAULT : 0)));
 	put_byte(window, (uint8_t)(shared | (rest - 1) << 4));
 	for (uint8_t i = 0; i < rest; i++) {
 		put_byte(window, (uint8_t)info->name[shared + i]);
 	}
-	put(window, (uint32_t)value, sizeof(value));
+	put(window, param_to_real(info, value), sizeof(float));
 	if (has_default) {
-		put(window, (uint32_t)info->fallback, sizeof(info->fallback));
+		put(window, param_to_real(info, info->fallback), sizeof(float));
 	}
 }
 

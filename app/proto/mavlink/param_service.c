@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "proto/mavlink/param_service.h"
 
+#include "core/param_units.h"
 #include "proto/mavlink/dialect.h"
 #include "proto/mavlink/internal.h"
 
@@ -37,14 +38,15 @@ static size_t name_length(const char *name)
 static void fill_value(const struct mavlink_params *self, uint32_t index,
                        mavlink_param_value_t *wire)
 {
-	const char *const name = params_info(index)->name;
+	const struct param_info *const info = params_info(index);
+	const uint32_t real = param_to_real(info, self->device->params.values[index]);
 
 	memset(wire, 0, sizeof(*wire));
-	memcpy(&wire->param_value, &self->device->params.values[index], sizeof(wire->param_value));
+	memcpy(&wire->param_value, &real, sizeof(wire->param_value));
 	wire->param_count = PARAM_COUNT;
 	wire->param_index = (uint16_t)index;
-	memcpy(wire->param_id, name, name_length(name));
-	wire->param_type = MAV_PARAM_TYPE_INT32;
+	memcpy(wire->param_id, info->name, name_length(info->name));
+	wire->param_type = MAV_PARAM_TYPE_REAL32;
 }
 
 static const struct mavlink_kind value_kind = MAVLINK_KIND(PARAM_VALUE);
@@ -123,48 +125,50 @@ void mavlink_params_request_list(struct mavlink_params *self, const struct mavli
 
 /* --- sets ------------------------------------------------------------------------------------ */
 
-/* A float counts if it is a whole number that fits; INT32_MAX + 1 is the first that does not. */
-static bool from_real(float real, int32_t *value)
+/* An integer of the type in the four bytes of a PARAM_SET; false: no such type. */
+static bool integer_of(uint8_t type, uint32_t bits, int64_t *number)
 {
-	if (!(real >= -2147483648.0f && real < 2147483648.0f)) {
+	switch (type) {
+	case MAV_PARAM_TYPE_UINT8:
+		*number = (uint8_t)bits;
+		return true;
+	case MAV_PARAM_TYPE_INT8:
+		*number = (int8_t)bits;
+		return true;
+	case MAV_PARAM_TYPE_UINT16:
+		*number = (uint16_t)bits;
+		return true;
+	case MAV_PARAM_TYPE_INT16:
+		*number = (int16_t)bits;
+		return true;
+	case MAV_PARAM_TYPE_UINT32:
+		*number = bits;
+		return true;
+	case MAV_PARAM_TYPE_INT32:
+		*number = (int32_t)bits;
+		return true;
+	default: /* any number may come over the wire */
 		return false;
 	}
-	*value = (int32_t)real;
-	return (float)*value == real;
 }
 
-/* The number in the four bytes of a PARAM_SET. MAV_PARAM_ERROR_NO_ERROR, or why there is none. */
-static uint8_t value_of(const mavlink_param_set_t *wire, int32_t *value)
+/* What a PARAM_SET means. MAV_PARAM_ERROR_NO_ERROR, or why it means nothing. */
+static uint8_t value_of(const mavlink_param_set_t *wire, const struct param_info *info,
+                        int32_t *value)
 {
 	uint32_t bits;
+	int64_t number;
+	bool fits;
 
 	memcpy(&bits, &wire->param_value, sizeof(bits));
-	switch (wire->param_type) {
-	case MAV_PARAM_TYPE_UINT8:
-		*value = (uint8_t)bits;
-		return MAV_PARAM_ERROR_NO_ERROR;
-	case MAV_PARAM_TYPE_INT8:
-		*value = (int8_t)bits;
-		return MAV_PARAM_ERROR_NO_ERROR;
-	case MAV_PARAM_TYPE_UINT16:
-		*value = (uint16_t)bits;
-		return MAV_PARAM_ERROR_NO_ERROR;
-	case MAV_PARAM_TYPE_INT16:
-		*value = (int16_t)bits;
-		return MAV_PARAM_ERROR_NO_ERROR;
-	case MAV_PARAM_TYPE_UINT32:
-		*value = (int32_t)bits;
-		return bits <= INT32_MAX ? MAV_PARAM_ERROR_NO_ERROR
-		                         : MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE;
-	case MAV_PARAM_TYPE_INT32:
-		*value = (int32_t)bits;
-		return MAV_PARAM_ERROR_NO_ERROR;
-	case MAV_PARAM_TYPE_REAL32:
-		return from_real(wire->param_value, value) ? MAV_PARAM_ERROR_NO_ERROR
-		                                           : MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE;
-	default: /* any number may come over the wire */
-		return MAV_PARAM_ERROR_TYPE_MISMATCH;
+	if (wire->param_type == MAV_PARAM_TYPE_REAL32) {
+		fits = param_from_real(info, bits, value);
+	} else if (integer_of(wire->param_type, bits, &number)) {
+		fits = param_from_integer(info, number, value);
+	} else {
+		return MAV_PARAM_ERROR_TYPE_UNSUPPORTED;
 	}
+	return fits ? MAV_PARAM_ERROR_NO_ERROR : MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE;
 }
 
 static uint8_t error_of(enum params_result result)
@@ -210,13 +214,14 @@ void mavlink_params_set(struct mavlink_params *self, const struct mavlink_contex
 	self->stats.sets++;
 
 	const uint32_t index = params_find(wire.param_id, name_length(wire.param_id));
-	uint8_t error = value_of(&wire, &value);
+	uint8_t error;
 
 	if (index == PARAM_COUNT) {
 		self->stats.refused++;
 		refuse_unknown(self, context, wire.target_component, wire.param_id, BY_NAME);
 		return;
 	}
+	error = value_of(&wire, params_info(index), &value);
 	if (error == MAV_PARAM_ERROR_NO_ERROR) {
 		error = set(self, context, index, value);
 	}

@@ -4,8 +4,10 @@
  * PARAM_REQUEST_LIST, PARAM_SET. One component of the device serves the whole table: ground
  * stations show parameters by component, and would show two tables otherwise.
  *
- * Every value is an INT32, bytewise in the float field. A set is taken from any integer type of up
- * to 32 bits, bytewise, and from REAL32 when that is a whole number; no other type is.
+ * Every value is a REAL32 of the parameter's unit, which is the one type that every ground station
+ * reads alike; integers bytewise are read so beside one autopilot only. A set is taken from REAL32,
+ * and from any integer type of up to 32 bits, bytewise: that number of the same unit. A value
+ * between two steps becomes the nearer one (core/param_units.h). No other type is taken.
  *
  * Every set of a parameter that exists is answered by a PARAM_VALUE with what is now in force. A
  * refused one by a PARAM_ERROR before it, where the link's version can carry it. A parameter that

@@ -6,11 +6,11 @@
 
 #include <zephyr/shell/shell.h>
 
+#include "core/decimal.h"
 #include "threads/clock.h"
 #include "threads/mavlink_node.h"
 #include "threads/servos.h"
 #include "threads/shell/call.h"
-#include "threads/shell/fixed.h"
 #include "threads/shell/say.h"
 
 struct point_request {
@@ -55,7 +55,8 @@ static int aim(const struct shell *sh, enum gimbal_axis_id axis, char **argv)
 	struct gimbal_event event = {.kind = GIMBAL_EVENT_AIM};
 	int64_t mdeg;
 
-	if (!fixed_parse(argv[1], MDEG_DECIMALS, &mdeg) || mdeg < INT32_MIN || mdeg > INT32_MAX) {
+	if (!decimal_parse_exact(argv[1], MDEG_DECIMALS, &mdeg) || mdeg < INT32_MIN ||
+	    mdeg > INT32_MAX) {
 		shell_error(sh, "%s: '%s' is not a number of degrees, such as -20 or 7.5", argv[0],
 		            argv[1]);
 		return -EINVAL;
@@ -111,9 +112,9 @@ static int copy_status(struct pharos_device *device, void *argument)
 static void print_axis(const struct shell *sh, const char *label, int32_t mdeg, bool locked,
                        bool at_limit)
 {
-	char text[FIXED_TEXT_MAX];
+	char text[DECIMAL_TEXT_MAX];
 
-	fixed_format(text, mdeg, MDEG_DECIMALS);
+	(void)decimal_print(text, mdeg, MDEG_DECIMALS);
 	shell_print(sh, "%-14s%s deg%s%s", label, text, locked ? ", locked" : "",
 	            at_limit ? ", at its limit" : "");
 }
@@ -131,9 +132,9 @@ static int cmd_gimbal_status(const struct shell *sh, size_t argc, char **argv)
 	}
 
 	const struct gimbal_report report = gimbal_report(gimbal, clock_now_us());
-	char heading[FIXED_TEXT_MAX];
+	char heading[DECIMAL_TEXT_MAX];
 
-	fixed_format(heading, report.heading_mdeg, MDEG_DECIMALS);
+	(void)decimal_print(heading, report.heading_mdeg, MDEG_DECIMALS);
 	shell_print(sh, "%-14s%s", "mode", gimbal_mode_name(report.mode));
 	print_axis(sh, "pan", report.own.yaw_mdeg, report.pan_locked, report.at_limit[GIMBAL_PAN]);
 	print_axis(sh, "tilt", report.own.pitch_mdeg, report.tilt_locked,

@@ -11,11 +11,11 @@
 
 #include <pharos/drivers/light.h>
 
+#include "core/decimal.h"
 #include "threads/clock.h"
 #include "threads/devices.h"
 #include "threads/inputs.h"
 #include "threads/shell/call.h"
-#include "threads/shell/fixed.h"
 #include "threads/shell/names.h"
 #include "threads/shell/say.h"
 
@@ -89,11 +89,11 @@ static int apply(struct pharos_device *device, void *argument)
 
 static void say_ranges(const struct shell *sh, const struct light_request *request)
 {
-	char shortest[FIXED_TEXT_MAX];
-	char longest[FIXED_TEXT_MAX];
+	char shortest[DECIMAL_TEXT_MAX];
+	char longest[DECIMAL_TEXT_MAX];
 
-	fixed_format(shortest, request->min_period_us, US_DECIMALS);
-	fixed_format(longest, request->max_period_us, US_DECIMALS);
+	(void)decimal_print(shortest, request->min_period_us, US_DECIMALS);
+	(void)decimal_print(longest, request->max_period_us, US_DECIMALS);
 	shell_error(sh, "out of range; nothing changed (0 to 100 %%, period 0 or %s to %s s)",
 	            shortest, longest);
 }
@@ -134,7 +134,7 @@ static int number_command(const struct shell *sh, char **argv, unsigned int deci
 {
 	int64_t parsed;
 
-	if (!fixed_parse(argv[1], decimals, &parsed) || parsed < 0 || parsed > UINT32_MAX) {
+	if (!decimal_parse_exact(argv[1], decimals, &parsed) || parsed < 0 || parsed > UINT32_MAX) {
 		shell_error(sh, "%s: '%s' is not a number of %s, such as 40 or 0.5", argv[0],
 		            argv[1], unit);
 		return -EINVAL;

@@ -7,13 +7,13 @@
 
 #include <zephyr/shell/shell.h>
 
+#include "core/decimal.h"
 #include "proto/imc/actuation_map.h"
 #include "proto/imc/endpoint.h"
 #include "threads/clock.h"
 #include "threads/imc_light.h"
 #include "threads/outputs.h"
 #include "threads/shell/call.h"
-#include "threads/shell/fixed.h"
 #include "threads/shell/say.h"
 
 /* Too large for the shell's stack; there is one shell, and it runs one command at a time. */
@@ -43,10 +43,10 @@ static const char *on_off(uint32_t mask, uint32_t number)
 /* ", on in 12.5 s"; nothing when it is not scheduled. */
 static void print_timer(const struct shell *sh, const char *what, int64_t due_us)
 {
-	char text[FIXED_TEXT_MAX];
+	char text[DECIMAL_TEXT_MAX];
 
 	if (due_us != TIME_NEVER_US) {
-		fixed_format(text, due_us - now.now_us, 6);
+		(void)decimal_print(text, due_us - now.now_us, 6);
 		shell_fprintf(sh, SHELL_NORMAL, ", %s in %s s", what, text);
 	}
 }
@@ -168,7 +168,7 @@ SHELL_CMD_ARG_REGISTER(display, NULL, "What stands on the display", cmd_display,
 static void print_row(const struct shell *sh, const struct imc_map_row *row)
 {
 	const struct actuators *const actuators = &now.actuators;
-	char text[FIXED_TEXT_MAX];
+	char text[DECIMAL_TEXT_MAX];
 
 	switch (row->thing) {
 	case IMC_THING_LED:
@@ -185,7 +185,7 @@ static void print_row(const struct shell *sh, const struct imc_map_row *row)
 		shell_print(sh, "%-14s%u us", row->name, thruster_pulse_us(&actuators->thruster));
 		break;
 	case IMC_THING_FOCUS:
-		fixed_format(text, focus_position_ppm(&actuators->focus, now.now_us), 4);
+		(void)decimal_print(text, focus_position_ppm(&actuators->focus, now.now_us), 4);
 		shell_print(sh, "%-14s%s %% of the way to spot", row->name, text);
 		break;
 	case IMC_THING_POWER_CHANNEL:

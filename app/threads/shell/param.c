@@ -7,18 +7,26 @@
 
 #include <zephyr/shell/shell.h>
 
+#include "core/param_units.h"
 #include "threads/clock.h"
 #include "threads/shell/call.h"
-#include "threads/shell/fixed.h"
 #include "threads/shell/names.h"
 #include "threads/shell/say.h"
 
 static void print_param(const struct shell *sh, const struct params *params, uint32_t index)
 {
 	const struct param_info *const info = params_info(index);
+	char value[DECIMAL_TEXT_MAX];
+	char min[DECIMAL_TEXT_MAX];
+	char max[DECIMAL_TEXT_MAX];
+	char fallback[DECIMAL_TEXT_MAX];
 
-	shell_print(sh, "%-16s %10d %-8s %d to %d, default %d%s%s  %s", info->name,
-	            params->values[index], info->unit, info->min, info->max, info->fallback,
+	(void)param_print(info, params->values[index], value);
+	(void)param_print(info, info->min, min);
+	(void)param_print(info, info->max, max);
+	(void)param_print(info, info->fallback, fallback);
+	shell_print(sh, "%-16s %10s %-8s %s to %s, default %s%s%s  %s", info->name, value,
+	            info->unit, min, max, fallback,
 	            (info->flags & PARAM_FLAG_REBOOT) != 0 ? ", after reset" : "",
 	            (info->flags & PARAM_FLAG_READ_ONLY) != 0 ? ", read-only" : "", info->meaning);
 }
@@ -91,14 +99,14 @@ static int set_param(struct pharos_device *device, void *argument)
 
 static int cmd_param_set(const struct shell *sh, size_t argc, char **argv)
 {
-	struct param_request request = {.index = find(argv[1])};
-	int64_t value;
+	struct param_request request = {.index = find(argv[1]), .result = PARAMS_UNKNOWN};
+	const struct param_info *const info = params_info(request.index);
 
-	if (!fixed_parse(argv[2], 0, &value) || value < INT32_MIN || value > INT32_MAX) {
-		shell_error(sh, "'%s' is not a whole number", argv[2]);
+	if (info != NULL && !param_parse(info, argv[2], strlen(argv[2]), &request.value)) {
+		shell_error(sh, "'%s' is not a %s", argv[2],
+		            info->unit[0] == '\0' ? "whole number" : "number, such as 2 or 0.5");
 		return -EINVAL;
 	}
-	request.value = (int32_t)value;
 	if (!shell_call(sh, set_param, &request, NULL)) {
 		return -EAGAIN;
 	}

@@ -6,11 +6,11 @@
 
 #include <zephyr/shell/shell.h>
 
+#include "core/decimal.h"
 #include "threads/clock.h"
 #include "threads/links.h"
 #include "threads/mavlink_node.h"
 #include "threads/shell/call.h"
-#include "threads/shell/fixed.h"
 
 #define MS_DECIMALS 3
 
@@ -39,9 +39,9 @@ static int cmd_route(const struct shell *sh, size_t argc, char **argv)
 	            stats->flooded);
 	for (uint8_t i = 0; i < router.count; i++) {
 		const struct mavlink_route *const route = &router.routes[i];
-		char text[FIXED_TEXT_MAX];
+		char text[DECIMAL_TEXT_MAX];
 
-		fixed_format(text, (now_us - route->heard_us) / US_PER_MS, MS_DECIMALS);
+		(void)decimal_print(text, (now_us - route->heard_us) / US_PER_MS, MS_DECIMALS);
 		shell_print(sh, "%3u/%-11u%s, %s s ago", route->system_id, route->component_id,
 		            links_name(route->link), text);
 	}

@@ -3,16 +3,16 @@
 
 #include <errno.h>
 
-#include "threads/shell/fixed.h"
+#include "core/decimal.h"
 
 const struct device_who shell_who = {.way = SECURITY_WAY_SHELL};
 
 void say_fixed(const struct shell *sh, const char *label, int64_t value, unsigned int decimals,
                const char *unit)
 {
-	char text[FIXED_TEXT_MAX];
+	char text[DECIMAL_TEXT_MAX];
 
-	fixed_format(text, value, decimals);
+	(void)decimal_print(text, value, decimals);
 	shell_print(sh, "%-14s%s %s", label, text, unit);
 }
 

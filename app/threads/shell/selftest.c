@@ -7,9 +7,9 @@
 #include <zephyr/kernel.h>
 #include <zephyr/shell/shell.h>
 
+#include "core/decimal.h"
 #include "threads/clock.h"
 #include "threads/shell/call.h"
-#include "threads/shell/fixed.h"
 #include "threads/shell/say.h"
 
 #define LAMP    0
@@ -39,7 +39,7 @@ static int parse_peak(const struct shell *sh, const char *text, uint32_t *peak_p
 {
 	int64_t parsed;
 
-	if (!fixed_parse(text, PPM_PER_PERCENT_DECIMALS, &parsed) || parsed <= 0 ||
+	if (!decimal_parse_exact(text, PPM_PER_PERCENT_DECIMALS, &parsed) || parsed <= 0 ||
 	    parsed > PPM_ONE) {
 		shell_error(sh, "'%s' is not a brightness above 0, up to 100 percent", text);
 		return -EINVAL;

@@ -13,10 +13,10 @@
 
 #include <pharos/compat.h>
 
+#include "core/decimal.h"
 #include "threads/clock.h"
 #include "threads/mavlink_node.h"
 #include "threads/shell/call.h"
-#include "threads/shell/fixed.h"
 
 #define KEY_DIGITS     (2 * MAVLINK_SIGNING_KEY_BYTES)
 #define STAMP_DECIMALS 5 /* a timestamp counts 10 us */
@@ -114,10 +114,10 @@ static int cmd_signing_key(const struct shell *sh, size_t argc, char **argv)
 {
 	int64_t unix_s = 0;
 
-	if (argc > 1 &&
-	    (!fixed_parse(argv[1], 0, &unix_s) || unix_s < (int64_t)MAVLINK_TIMESTAMP_EPOCH_S ||
-	     unix_s > (int64_t)(MAVLINK_TIMESTAMP_EPOCH_S +
-	                        MAVLINK_TIMESTAMP_MAX / MAVLINK_TIMESTAMP_SECOND))) {
+	if (argc > 1 && (!decimal_parse_exact(argv[1], 0, &unix_s) ||
+	                 unix_s < (int64_t)MAVLINK_TIMESTAMP_EPOCH_S ||
+	                 unix_s > (int64_t)(MAVLINK_TIMESTAMP_EPOCH_S +
+	                                    MAVLINK_TIMESTAMP_MAX / MAVLINK_TIMESTAMP_SECOND))) {
 		shell_error(sh, "'%s' is not a Unix time between 2015 and 2104", argv[1]);
 		return -EINVAL;
 	}
@@ -166,13 +166,13 @@ static int copy_status(struct pharos_device *device, void *argument)
 
 static int cmd_signing_status(const struct shell *sh, size_t argc, char **argv)
 {
-	char text[FIXED_TEXT_MAX];
+	char text[DECIMAL_TEXT_MAX];
 	struct status now;
 
 	if (!shell_call(sh, copy_status, &now, NULL)) {
 		return -EAGAIN;
 	}
-	fixed_format(
+	(void)decimal_print(
 		text,
 		(int64_t)(now.timestamp + MAVLINK_TIMESTAMP_EPOCH_S * MAVLINK_TIMESTAMP_SECOND),
 		STAMP_DECIMALS);

@@ -151,7 +151,8 @@ class Parameters:
         raise ParameterError(name or f"#{index}", REASONS.get(answer, REASONS[1]), answer)
 
     def set(self, name: str, value: float) -> Parameter:
-        """What is in force afterwards. ParameterError: that is another value."""
+        """What is in force afterwards: between two steps of the parameter, the nearer one.
+        ParameterError: what was before."""
         now = self.get(name)
         if now.kind in INTEGERS and value != int(value):
             raise UsageError(f"{name} is a whole number, not {text_of(value)}")
@@ -172,9 +173,11 @@ class Parameters:
                 raise ParameterError(name, REASONS.get(answer, f"error {answer}"), answer)
             raise connection.silence(f"no answer to setting {name}")
         if not is_same(answer.value, value):
-            raise ParameterError(
-                name, f"{text_of(value)} was not taken; it is {answer.text}", self._reason(name)
-            )
+            error = self._reason(name)
+            if error or is_same(answer.value, now.value):
+                raise ParameterError(
+                    name, f"{text_of(value)} was not taken; it is {answer.text}", error
+                )
         return answer
 
     def _reason(self, name: str) -> int:

@@ -155,22 +155,28 @@ def test_get_node_info(bus: Bus) -> None:
     assert bytes(info.hardware_version.unique_id) == bytes([0xA0, *range(1, 16)])
 
 
+def number_of(value: Any) -> float | int:
+    kind = dronecan.get_active_union_field(value)
+    assert kind in ("real_value", "integer_value")
+    return getattr(value, kind)  # type: ignore[no-any-return]
+
+
 def test_every_parameter_is_read_and_one_is_set(bus: Bus) -> None:
     names: list[str] = []
     while True:
         answer = bus.ask(uavcan.protocol.param.GetSet.Request(index=len(names)))
         if len(answer.name) == 0:
             break
-        assert answer.min_value.integer_value <= answer.value.integer_value
-        assert answer.value.integer_value <= answer.max_value.integer_value
+        assert number_of(answer.min_value) <= number_of(answer.value)
+        assert number_of(answer.value) <= number_of(answer.max_value)
         names.append(str(answer.name))
-    assert "LGT_LOSS_MS" in names
+    assert "LGT_LOSS" in names
     assert len(set(names)) == len(names)
 
-    request = uavcan.protocol.param.GetSet.Request(name="LGT_LOSS_MS")
-    request.value.integer_value = 4321
-    assert bus.ask(request).value.integer_value == 4321
-    assert bus.device.device_param(b"LGT_LOSS_MS") == 4321
+    request = uavcan.protocol.param.GetSet.Request(name="LGT_LOSS")
+    request.value.real_value = 4.3206
+    assert bus.ask(request).value.real_value == pytest.approx(4.321, rel=1e-6)
+    assert bus.device.device_param(b"LGT_LOSS") == 4321
     assert bus.device.device_params_changed() == 1
 
 

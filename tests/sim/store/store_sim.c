@@ -95,7 +95,7 @@ static bool rules_hold(const int32_t values[PARAM_COUNT])
 			return false;
 		}
 	}
-	return values[PARAM_STRB_MIN_US] <= values[PARAM_STRB_MAX_US] &&
+	return values[PARAM_STRB_MIN] <= values[PARAM_STRB_MAX] &&
 	       values[PARAM_GMB_PAN_MIN] < values[PARAM_GMB_PAN_MAX] &&
 	       values[PARAM_GMB_TLT_MIN] < values[PARAM_GMB_TLT_MAX];
 }

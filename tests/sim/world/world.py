@@ -5,7 +5,6 @@ and faults, all from one plan; an oracle for each light watches."""
 from __future__ import annotations
 
 import random
-import struct
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -37,6 +36,7 @@ HEAL_US = 5_000_000
 HARDPOINT = 3
 NODE = 10
 REBOOT = 246  # MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN
+REAL32 = 9  # MAV_PARAM_TYPE
 
 
 @dataclass
@@ -102,7 +102,7 @@ class Light:
             wanted["LGT_RESTORE"] = 1
         if self.oracle.fallback:
             wanted |= {
-                "LGT_LOSS_MS": 5000,
+                "LGT_LOSS": 5,
                 "LGT_FALLBACK": 1 if self.oracle.fallback == "loss-off" else 2,
             }
         if "ring" in features:
@@ -133,8 +133,7 @@ class Light:
         self.began_us = self.sim.now_us()
 
     def _set(self, owner: Party, name: str, value: int) -> None:
-        wire = struct.unpack("<f", struct.pack("<i", value))[0]
-        message = owner.d.MAVLink_param_set_message(1, 243, name.encode(), wire, 6)
+        message = owner.d.MAVLink_param_set_message(1, 243, name.encode(), value, REAL32)
         self.links["uart0"].send(owner.frame(message, 0))
         self.sim.advance(100_000)
 
@@ -482,8 +481,8 @@ class World:
                 d.MAVLink_param_set_message(
                     *light.address,
                     b"THR_SHUTDOWN",
-                    struct.unpack("<f", struct.pack("<i", 149_000))[0],
-                    6,
+                    149,
+                    REAL32,
                 ),
             ),
             "reboot": (stranger, stranger.command(REBOOT, 1.0, to=light.address)),

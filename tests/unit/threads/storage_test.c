@@ -140,9 +140,9 @@ ZTEST(storage, test_parameter_does_not_wait_for_the_light)
 {
 	set_brightness(300000);
 	k_sleep(K_MSEC(100));
-	set(PARAM_STRB_MIN_US, 20000);
+	set(PARAM_STRB_MIN, 20000);
 	k_sleep(K_MSEC(1));
-	zassert_equal(stored(PARAM_STRB_MIN_US), 20000);
+	zassert_equal(stored(PARAM_STRB_MIN), 20000);
 }
 
 static int64_t ran_at_ms;
@@ -175,6 +175,7 @@ static const struct {
 	{"pharos/param/THR_THROTTLE", PARAM_THR_THROTTLE, 40000},
 	{"pharos/param/THR_SHUTDOWN", PARAM_THR_SHUTDOWN, 50000},
 	{"pharos/param/CAN_LIGHT_ID", PARAM_CAN_LIGHT_ID, -1},
+	{"pharos/param/LGT_LOSS_MS", PARAM_LGT_LOSS, 2500}, /* whose name has changed since */
 };
 /* 40 %, 0.5 s, 10 %, internal, on */
 static const uint8_t old_light[16] = {0x80, 0x1a, 0x06, 0x00, 0x20, 0xa1, 0x07, 0x00,
@@ -272,7 +273,7 @@ ZTEST(storage, test_power_cut_at_any_byte_while_they_do)
 			zassert_true(is_taken_over(), "cut after %d bytes", (int)cut);
 			names = names_stored();
 			/* And what was cut is taken up again, with the next write. */
-			set(PARAM_SYNC_PULSE_US, params.values[PARAM_SYNC_PULSE_US] + 1);
+			set(PARAM_SYNC_PULSE, params.values[PARAM_SYNC_PULSE] + 1);
 			k_sleep(K_MSEC(10));
 			zassert_equal(names_stored(), 0, "cut after %d bytes", (int)cut);
 			done += names == 0 ? 1 : 0;
@@ -291,33 +292,33 @@ static void damage(const char *name)
 
 ZTEST(storage, test_of_two_records_the_one_that_reads_counts_and_the_other_is_replaced)
 {
-	set(PARAM_STRB_MIN_US, 20000);
+	set(PARAM_STRB_MIN, 20000);
 	k_sleep(K_MSEC(10));
-	set(PARAM_STRB_MIN_US, 30000);
+	set(PARAM_STRB_MIN, 30000);
 	k_sleep(K_MSEC(10));
 	damage("pharos/0");
 	reset();
 
-	const int32_t left = stored(PARAM_STRB_MIN_US);
+	const int32_t left = stored(PARAM_STRB_MIN);
 
 	zassert_true(left == 20000 || left == 30000);
 	let_it_write();
 	damage("pharos/1");
 	reset();
-	zassert_equal(stored(PARAM_STRB_MIN_US), left);
+	zassert_equal(stored(PARAM_STRB_MIN), left);
 	zassert_true(storage_stats_get().refused > 0);
 }
 
 ZTEST(storage, test_with_no_record_that_reads_the_defaults_apply)
 {
-	set(PARAM_STRB_MIN_US, 20000);
+	set(PARAM_STRB_MIN, 20000);
 	k_sleep(K_MSEC(10));
 	damage("pharos/0");
 	damage("pharos/1");
-	zassert_equal(stored(PARAM_STRB_MIN_US), CONFIG_PHAROS_STROBE_PERIOD_MIN_US);
+	zassert_equal(stored(PARAM_STRB_MIN), CONFIG_PHAROS_STROBE_PERIOD_MIN_US);
 	let_it_write();
 	reset();
-	zassert_equal(stored(PARAM_STRB_MIN_US), CONFIG_PHAROS_STROBE_PERIOD_MIN_US);
+	zassert_equal(stored(PARAM_STRB_MIN), CONFIG_PHAROS_STROBE_PERIOD_MIN_US);
 }
 
 ZTEST(storage, test_a_write_that_fails_is_told_and_tried_again)
@@ -325,7 +326,7 @@ ZTEST(storage, test_a_write_that_fails_is_told_and_tried_again)
 	const struct storage_stats first = storage_stats_get();
 
 	settings_host_tear(0, 1);
-	set(PARAM_STRB_MIN_US, 40000);
+	set(PARAM_STRB_MIN, 40000);
 	k_sleep(K_MSEC(10));
 	zassert_equal(storage_stats_get().failures, first.failures + 1);
 	zassert_equal(storage_stats_get().last_error, -5); /* EIO */
@@ -333,5 +334,5 @@ ZTEST(storage, test_a_write_that_fails_is_told_and_tried_again)
 	k_sleep(K_SECONDS(31));
 	zassert_equal(storage_stats_get().failures, first.failures + 1);
 	reset();
-	zassert_equal(stored(PARAM_STRB_MIN_US), 40000);
+	zassert_equal(stored(PARAM_STRB_MIN), 40000);
 }

@@ -236,6 +236,20 @@ static struct dronecan_param_get_set_request named(const char *name)
 	return request;
 }
 
+static void assert_real(const struct dronecan_param_get_set_response *response,
+                        const struct param_info *info, int32_t value)
+{
+	static const double scales[] = {1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6};
+	const double scale = scales[info->decimals];
+
+	zassert_equal(response->value.tag, DRONECAN_PARAM_VALUE_REAL_VALUE);
+	zassert_equal(response->value.real_value, (float)(value / scale), "%s", info->name);
+	zassert_equal(response->default_value.real_value, (float)(info->fallback / scale));
+	zassert_equal(response->min_value.tag, DRONECAN_PARAM_NUMERIC_VALUE_REAL_VALUE);
+	zassert_equal(response->min_value.real_value, (float)(info->min / scale));
+	zassert_equal(response->max_value.real_value, (float)(info->max / scale));
+}
+
 ZTEST(dronecan_node, test_params_are_read_by_index_until_an_empty_one)
 {
 	struct dronecan_param_get_set_request request;
@@ -254,6 +268,10 @@ ZTEST(dronecan_node, test_params_are_read_by_index_until_an_empty_one)
 		}
 		zassert_equal(response.name_len, strlen(info->name));
 		zassert_mem_equal(response.name, info->name, response.name_len);
+		if (info->decimals > 0) {
+			assert_real(&response, info, core.params.values[i]);
+			continue;
+		}
 		zassert_equal(response.value.tag, DRONECAN_PARAM_VALUE_INTEGER_VALUE);
 		zassert_equal(response.value.integer_value, core.params.values[i]);
 		zassert_equal(response.default_value.integer_value, info->fallback);
@@ -262,19 +280,29 @@ ZTEST(dronecan_node, test_params_are_read_by_index_until_an_empty_one)
 	}
 }
 
+ZTEST(dronecan_node, test_a_temperature_is_told_in_degrees)
+{
+	const struct dronecan_param_get_set_request request = named("THR_SHUTDOWN");
+	const struct dronecan_param_get_set_response response = get_set(false, &request);
+
+	zassert_equal(response.value.real_value, 100.0f);
+	zassert_equal(response.min_value.real_value, -40.0f);
+	zassert_equal(response.max_value.real_value, 150.0f);
+}
+
 static void set_by_name(bool fd)
 {
-	struct dronecan_param_get_set_request request = named("LGT_LOSS_MS");
+	struct dronecan_param_get_set_request request = named("LGT_LOSS");
 	struct dronecan_param_get_set_response response;
 
 	request.index = 3; /* a name counts before an index */
 	request.value.tag = DRONECAN_PARAM_VALUE_INTEGER_VALUE;
-	request.value.integer_value = 5000;
+	request.value.integer_value = 5; /* whole seconds */
 	response = get_set(fd, &request);
-	zassert_equal(response.value.integer_value, 5000);
-	zassert_equal(core.params.values[PARAM_LGT_LOSS_MS], 5000);
+	zassert_equal(response.value.real_value, 5.0f);
+	zassert_equal(core.params.values[PARAM_LGT_LOSS], 5000);
 	device_effects();
-	zassert_equal(param_set_take(&effects.params), PARAM_LGT_LOSS_MS);
+	zassert_equal(param_set_take(&effects.params), PARAM_LGT_LOSS);
 	zassert_true(param_set_is_empty(&effects.params));
 }
 
@@ -317,12 +345,25 @@ ZTEST(dronecan_node, test_refused_sets_answer_with_the_value_in_force)
 /* Tools that have one kind of number send it so. */
 ZTEST(dronecan_node, test_whole_real_values_are_taken)
 {
-	struct dronecan_param_get_set_request request = named("LGT_LOSS_MS");
+	struct dronecan_param_get_set_request request = named("LGT_FALLBACK");
 
 	request.value.tag = DRONECAN_PARAM_VALUE_REAL_VALUE;
-	request.value.real_value = 4000.0f;
-	zassert_equal(get_set(false, &request).value.integer_value, 4000);
-	zassert_equal(core.params.values[PARAM_LGT_LOSS_MS], 4000);
+	request.value.real_value = 2.0f;
+	zassert_equal(get_set(false, &request).value.integer_value, 2);
+	zassert_equal(core.params.values[PARAM_LGT_FALLBACK], 2);
+	zassert_equal(device.node.stats.params_refused, 0);
+}
+
+ZTEST(dronecan_node, test_a_real_value_becomes_the_nearest_step)
+{
+	struct dronecan_param_get_set_request request = named("LGT_LOSS");
+
+	request.value.tag = DRONECAN_PARAM_VALUE_REAL_VALUE;
+	request.value.real_value = 4.0004f;
+	zassert_equal(get_set(false, &request).value.real_value, 4.0f);
+	request.value.real_value = 4.5f;
+	zassert_equal(get_set(false, &request).value.real_value, 4.5f);
+	zassert_equal(core.params.values[PARAM_LGT_LOSS], 4500);
 	zassert_equal(device.node.stats.params_refused, 0);
 }
 
@@ -349,20 +390,20 @@ static bool opcode(uint8_t code)
 
 ZTEST(dronecan_node, test_execute_opcode_saves_and_erases)
 {
-	const int32_t fallback = params_info(PARAM_LGT_LOSS_MS)->fallback;
+	const int32_t fallback = params_info(PARAM_LGT_LOSS)->fallback;
 
 	zassert_true(opcode(DRONECAN_PARAM_EXECUTE_OPCODE_OPCODE_SAVE));
 	zassert_equal(device_out.node.count, 1);
 	zassert_equal(device_out.node.actions[0].kind, DRONECAN_NODE_SAVE);
 
-	core.params.values[PARAM_LGT_LOSS_MS] = fallback + 7;
+	core.params.values[PARAM_LGT_LOSS] = fallback + 7;
 	zassert_true(opcode(DRONECAN_PARAM_EXECUTE_OPCODE_OPCODE_ERASE));
 	zassert_equal(device_out.node.count, 1);
 	zassert_equal(device_out.node.actions[0].kind, DRONECAN_NODE_ERASE);
 	device_effects();
-	zassert_equal(param_set_take(&effects.params), PARAM_LGT_LOSS_MS);
+	zassert_equal(param_set_take(&effects.params), PARAM_LGT_LOSS);
 	zassert_true(param_set_is_empty(&effects.params));
-	zassert_equal(core.params.values[PARAM_LGT_LOSS_MS], fallback);
+	zassert_equal(core.params.values[PARAM_LGT_LOSS], fallback);
 
 	zassert_false(opcode(2));
 	zassert_equal(device_out.node.count, 0);

@@ -72,13 +72,15 @@ ZTEST(imc_parameters, test_query_tells_the_values_in_force)
 {
 	params->values[PARAM_THR_SENS_MIN] = -55000;
 	params->values[PARAM_THR_HYST] = 0;
+	params->values[PARAM_THR_NOISE] = 1250;
 	query("Thermal");
 	zassert_true(imc_text_is(&sent(IMC_ENTITY_PARAMETERS, 0)->message.entity_parameters.name,
 	                         "Thermal"));
 	zassert_equal(sent(IMC_ENTITY_PARAMETERS, 0)->header.src_ent, IMC_ENTITY_THERMAL);
-	zassert_true(answered("THR_SENS_MIN", "-55000"));
+	zassert_true(answered("THR_SENS_MIN", "-55"));
 	zassert_true(answered("THR_HYST", "0"));
-	zassert_true(answered("THR_SHUTDOWN", "100000"));
+	zassert_true(answered("THR_NOISE", "1.25"));
+	zassert_true(answered("THR_SHUTDOWN", "100"));
 	zassert_false(answered("LGT_CURVE", "1"), "it is the lamp's");
 }
 
@@ -121,16 +123,16 @@ ZTEST(imc_parameters, test_without_a_name_the_header_says_which_entity)
 ZTEST(imc_parameters, test_set_answers_what_was_accepted)
 {
 	want("LGT_CURVE", "0");
-	want("LGT_CURVES", "0");    /* there is none */
-	want("THR_HYST", "1000");   /* another entity's */
-	want("LGT_FALLBACK", "3");  /* out of range */
-	want("LGT_SRC_NOW", "1");   /* read only */
-	want("LGT_LOSS_MS", "1e3"); /* no whole number */
-	want("LGT_SRC_HOLD", "1500.0");
+	want("LGT_CURVES", "0");   /* there is none */
+	want("THR_HYST", "1");     /* another entity's */
+	want("LGT_FALLBACK", "3"); /* out of range */
+	want("LGT_SRC_NOW", "1");  /* read only */
+	want("LGT_LOSS", "1e3");   /* no decimal number */
+	want("LGT_SRC_HOLD", "1.50");
 	set("Lamp");
 	zassert_equal(answered_count(), 2);
 	zassert_true(answered("LGT_CURVE", "0"));
-	zassert_true(answered("LGT_SRC_HOLD", "1500"));
+	zassert_true(answered("LGT_SRC_HOLD", "1.5"));
 	zassert_equal(params->values[PARAM_LGT_CURVE], 0);
 	zassert_equal(params->values[PARAM_LGT_SRC_HOLD], 1500);
 	zassert_equal(endpoint.node.stats.params_refused, 5);
@@ -160,24 +162,25 @@ ZTEST(imc_parameters, test_which_texts_are_numbers)
 	static const struct {
 		const char *text;
 		bool accepted;
-		int32_t value;
+		int32_t value; /* mdegC */
 	} rows[] = {
-		{"-55001", true, -55001},
-		{"-55001.", true, -55001},
-		{"-55001.000", true, -55001},
+		{"-55.001", true, -55001},
+		{"-55.", true, -55000},
+		{"-55.000", true, -55000},
+		{"-55.00149", true, -55001}, /* the nearest step */
 		{"0", true, 0},
 		{"-0", true, 0},
-		{"000012", true, 12},
-		{"true", true, 1},
+		{"000012", true, 12000},
+		{"true", true, 1000},
 		{"false", true, 0},
-		{"1000000", true, 1000000}, /* the greatest that it takes */
-		{"1000001", false, 0},
+		{"1.5", true, 1500},
+		{"1000", true, 1000000}, /* the greatest that it takes */
+		{"1000.001", false, 0},
 		{"", false, 0},
 		{"-", false, 0},
 		{"+1", false, 0},
 		{" 1", false, 0},
 		{"1 ", false, 0},
-		{"1.5", false, 0},
 		{".5", false, 0},
 		{"0x10", false, 0},
 		{"2147483648", false, 0},
@@ -188,13 +191,29 @@ ZTEST(imc_parameters, test_which_texts_are_numbers)
 	};
 
 	for (size_t i = 0; i < ARRAY_SIZE(rows); i++) {
+		const bool of_max = rows[i].value > 150000 || !rows[i].accepted;
+
 		device_start(NULL);
 		asked = (struct imc_parameter_list){0};
 		params->values[PARAM_THR_SENS_MIN] = -200000;
 		params->values[PARAM_THR_SENS_MAX] = 1000000;
-		want(rows[i].value > 150000 || !rows[i].accepted ? "THR_SENS_MAX" : "THR_SENS_MIN",
-		     rows[i].text);
+		want(of_max ? "THR_SENS_MAX" : "THR_SENS_MIN", rows[i].text);
 		set("Thermal");
 		zassert_equal(answered_count(), rows[i].accepted ? 1 : 0, "\"%s\"", rows[i].text);
+		zassert_true(
+			!rows[i].accepted ||
+				params->values[of_max ? PARAM_THR_SENS_MAX : PARAM_THR_SENS_MIN] ==
+					rows[i].value,
+			"\"%s\"", rows[i].text);
 	}
+}
+
+ZTEST(imc_parameters, test_a_choice_has_no_fraction)
+{
+	want("LGT_FALLBACK", "1.5");
+	set("Lamp");
+	zassert_equal(answered_count(), 0);
+	want("LGT_FALLBACK", "2.0");
+	set("Lamp");
+	zassert_true(answered("LGT_FALLBACK", "2"));
 }

@@ -18,13 +18,14 @@ static void before(void *unused)
 
 ZTEST_SUITE(mavlink_param_pack, NULL, NULL, before, NULL, NULL);
 
-/* LGT_CURVE 1, its default, then LGT_RESTORE 1 where 0 is the default, then STRB_MIN_US */
+/* LGT_CURVE 1, its default, then LGT_RESTORE 1 where 0 is the default, then STRB_MIN.
+ * Values are binary32: 1.0 is 0x3F800000, 0.01 is 0x3C23D70A. */
 ZTEST(mavlink_param_pack, test_head_and_first_entries)
 {
 	static const uint8_t head[] = {0x1C, 0x67, PARAM_COUNT, 0, PARAM_COUNT, 0};
-	static const uint8_t curve[] = "\x03\x80LGT_CURVE\x01\0\0";         /* 9 letters */
-	static const uint8_t restore[] = "\x13\x64RESTORE\x01\0\0\0\0\0\0"; /* 4 and 7 */
-	static const uint8_t shortest[] = "\x03\xA0STRB_MIN_US";
+	static const uint8_t curve[] = "\x04\x80LGT_CURVE\0\0\x80\x3F";       /* 9 letters */
+	static const uint8_t restore[] = "\x14\x64RESTORE\0\0\x80\x3F\0\0\0"; /* 4 and 7 */
+	static const uint8_t shortest[] = "\x04\x70STRB_MIN\x0A\xD7\x23\x3C"; /* 0.01 */
 	uint8_t bytes[100];
 
 	BUILD_ASSERT(PARAM_COUNT < 256, "as the bytes above have it");
@@ -35,7 +36,7 @@ ZTEST(mavlink_param_pack, test_head_and_first_entries)
 	zassert_mem_equal(bytes, head, 6);
 	zassert_mem_equal(bytes + 6, curve, 15);
 	zassert_mem_equal(bytes + 21, restore, 17);
-	zassert_mem_equal(bytes + 38, shortest, 13);
+	zassert_mem_equal(bytes + 38, shortest, 14);
 }
 
 ZTEST(mavlink_param_pack, test_without_defaults_there_are_none)

@@ -43,20 +43,19 @@ static void ask_list(uint8_t link)
 	receive(link, PARAM_LIST, sizeof(PARAM_LIST));
 }
 
-/* Frame i is a PARAM_VALUE of that parameter on that link, complete and bytewise. */
-static void assert_value(uint16_t i, uint8_t link, uint32_t index, int32_t value)
+/* Frame i is a PARAM_VALUE of that parameter on that link, complete, a REAL32 in its unit. */
+static void assert_value(uint16_t i, uint8_t link, uint32_t index, float value)
 {
 	mavlink_param_value_t wire;
 	char name[17] = {0};
-	int32_t bits;
 
 	sent_payload(i, 22, &wire, sizeof(wire));
-	memcpy(&bits, &wire.param_value, sizeof(bits));
 	memcpy(name, wire.param_id, 16);
 	zassert_equal(out.frames[i].link, link);
 	zassert_equal(wire.param_index, index, "index %u", wire.param_index);
-	zassert_equal(bits, value, "%s is %d, not %d", name, bits, value);
-	zassert_equal(wire.param_type, 6);
+	zassert_equal(wire.param_value, value, "%s is %g, not %g", name, (double)wire.param_value,
+	              (double)value);
+	zassert_equal(wire.param_type, 9); /* MAV_PARAM_TYPE_REAL32 */
 	zassert_equal(wire.param_count, PARAM_COUNT);
 	zassert_equal(strcmp(name, params_info(index)->name), 0, "%s", name);
 }
@@ -75,22 +74,29 @@ static void assert_error(uint16_t i, const char *name, int16_t index, uint8_t er
 	zassert_equal(wire.target_component, 190);
 }
 
+static float natural(uint32_t index)
+{
+	static const double scales[] = {1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6};
+
+	return (float)(device_params->values[index] / scales[params_info(index)->decimals]);
+}
+
 ZTEST(mavlink_param, test_every_parameter_reads_by_index_and_by_name)
 {
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
 		ask(0, "", (int16_t)i, 243);
 		zassert_equal(out.count, 1);
-		assert_value(0, 0, i, device_params->values[i]);
+		assert_value(0, 0, i, natural(i));
 		ask(1, params_info(i)->name, -1, 243);
 		zassert_equal(out.count, 1);
-		assert_value(0, 1, i, device_params->values[i]);
+		assert_value(0, 1, i, natural(i));
 	}
 }
 
 ZTEST(mavlink_param, test_an_index_counts_before_a_name)
 {
-	ask(0, "STRB_MAX_US", PARAM_STRB_MIN_US, 243);
-	assert_value(0, 0, PARAM_STRB_MIN_US, 10000);
+	ask(0, "STRB_MAX", PARAM_STRB_MIN, 243);
+	assert_value(0, 0, PARAM_STRB_MIN, 0.01f);
 }
 
 ZTEST(mavlink_param, test_what_does_not_exist_is_refused_by_the_one_that_was_asked)
@@ -165,9 +171,9 @@ ZTEST(mavlink_param, test_a_refused_set_is_answered_by_why_and_by_what_is_in_for
 	zassert_equal(out.count, 2);
 	assert_error(0, "LGT_CURVE", -1, 2); /* VALUE_OUT_OF_RANGE */
 	assert_value(1, 0, PARAM_LGT_CURVE, 1);
-	set(0, "STRB_MIN_US", 60000000); /* in its range, but above STRB_MAX_US */
-	assert_error(0, "STRB_MIN_US", -1, 2);
-	assert_value(1, 0, PARAM_STRB_MIN_US, 10000);
+	set(0, "STRB_MIN", 16); /* in its range, but above STRB_MAX */
+	assert_error(0, "STRB_MIN", -1, 2);
+	assert_value(1, 0, PARAM_STRB_MIN, 0.01f);
 	zassert_true(param_set_is_empty(&effects.params));
 	zassert_equal(service.params.stats.refused, 3);
 }
@@ -177,28 +183,45 @@ ZTEST(mavlink_param, test_every_integer_type_is_taken_bytewise)
 	static const uint8_t one[4] = {1, 0xAA, 0xAA, 0xAA};
 	static const uint8_t minus_one[4] = {0xFF, 0xAA, 0xAA, 0xAA};
 	static const uint8_t minus_one_16[4] = {0xFF, 0xFF, 0xAA, 0xAA};
-	static const uint8_t ten_thousand[4] = {0x10, 0x27, 0xAA, 0xAA}; /* 10 000 */
-	static const uint8_t million[4] = {0x40, 0x42, 0x0F, 0x00};      /* 1 000 000 */
+	static const uint8_t thousand[4] = {0xE8, 0x03, 0xAA, 0xAA}; /* 1000 */
+	static const uint8_t million[4] = {0x40, 0x42, 0x0F, 0x00};  /* 1 000 000 */
 
 	set_typed(0, "LGT_RESTORE", one, 1, 243); /* UINT8 */
 	assert_value(0, 0, PARAM_LGT_RESTORE, 1);
 	set_typed(0, "CAN_LIGHT_ID", minus_one, 2, 243); /* INT8 */
 	assert_value(0, 0, PARAM_CAN_LIGHT_ID, -1);
-	set_typed(0, "LGT_LOSS_MS", ten_thousand, 3, 243); /* UINT16 */
-	assert_value(0, 0, PARAM_LGT_LOSS_MS, 10000);
-	set_typed(0, "CAN_HARDPT_ID", minus_one_16, 4, 243); /* INT16 */
+	set_typed(0, "LGT_LOSS", thousand, 3, 243); /* UINT16 */
+	assert_value(0, 0, PARAM_LGT_LOSS, 1000);
+	zassert_equal(device_params->values[PARAM_LGT_LOSS], 1000000); /* ms */
+	set_typed(0, "CAN_HARDPT_ID", minus_one_16, 4, 243);           /* INT16 */
 	assert_value(0, 0, PARAM_CAN_HARDPT_ID, -1);
-	set_typed(0, "STRB_MAX_US", million, 5, 243); /* UINT32 */
-	assert_value(0, 0, PARAM_STRB_MAX_US, 1000000);
+	set_typed(0, "SYNC_FILT", million, 5, 243); /* UINT32 */
+	assert_value(0, 0, PARAM_SYNC_FILT, 1000000);
+	set(0, "THR_SENS_MIN", -60); /* INT32 */
+	assert_value(0, 0, PARAM_THR_SENS_MIN, -60);
+	zassert_equal(device_params->values[PARAM_THR_SENS_MIN], -60000); /* mdegC */
 }
 
-ZTEST(mavlink_param, test_a_float_is_taken_when_it_is_a_whole_number)
+ZTEST(mavlink_param, test_a_float_is_taken_in_its_unit_to_the_nearest_step)
 {
-	float value = 2000000.0f;
+	float value = 2.5f;
 
-	set_typed(0, "STRB_MAX_US", &value, 9, 243); /* REAL32 */
+	set_typed(0, "STRB_MAX", &value, 9, 243); /* REAL32 */
 	zassert_equal(out.count, 1);
-	assert_value(0, 0, PARAM_STRB_MAX_US, 2000000);
+	assert_value(0, 0, PARAM_STRB_MAX, 2.5f);
+	zassert_equal(device_params->values[PARAM_STRB_MAX], 2500000); /* us */
+	value = 2.00000049f;
+	set_typed(0, "STRB_MAX", &value, 9, 243);
+	zassert_equal(out.count, 1);
+	assert_value(0, 0, PARAM_STRB_MAX, 2.0f); /* as taken, not as asked */
+	value = 79.9996f;
+	set_typed(0, "THR_THROTTLE", &value, 9, 243);
+	assert_value(0, 0, PARAM_THR_THROTTLE, 80.0f);
+	value = 1.0f;
+	set_typed(0, "LGT_RESTORE", &value, 9, 243);
+	assert_value(0, 0, PARAM_LGT_RESTORE, 1.0f);
+	value = 0.0f;
+	set_typed(0, "LGT_RESTORE", &value, 9, 243);
 	for (int i = 0; i < 5; i++) {
 		const float bad[] = {0.5f, NAN, INFINITY, -INFINITY, 2147483648.0f};
 
@@ -219,7 +242,7 @@ ZTEST(mavlink_param, test_other_types_are_refused)
 	for (size_t i = 0; i < sizeof(types); i++) {
 		set_typed(0, "LGT_RESTORE", &value, types[i], 243);
 		zassert_equal(out.count, 2);
-		assert_error(0, "LGT_RESTORE", -1, 7); /* TYPE_MISMATCH */
+		assert_error(0, "LGT_RESTORE", -1, 6); /* TYPE_UNSUPPORTED */
 		assert_value(1, 0, PARAM_LGT_RESTORE, 0);
 	}
 	set_typed(0, "THR_SENS_MIN", too_much, 5, 243);
@@ -260,7 +283,7 @@ struct listing {
 	uint32_t total;
 	int64_t first_us;
 	int64_t last_us;
-	int32_t last_value[PARAM_COUNT];
+	float last_value[PARAM_COUNT];
 };
 
 static void note(struct listing *listing, uint16_t i)
@@ -273,7 +296,7 @@ static void note(struct listing *listing, uint16_t i)
 	listing->last_us = now_us;
 	listing->total++;
 	listing->seen[wire.param_index]++;
-	memcpy(&listing->last_value[wire.param_index], &wire.param_value, sizeof(int32_t));
+	listing->last_value[wire.param_index] = wire.param_value;
 }
 
 /* Until then; the values that went out, per link. */

@@ -296,17 +296,17 @@ ZTEST(core_device, test_effects_of_several_verbs_are_taken_together)
 
 ZTEST(core_device, test_a_parameter_is_in_force_at_once)
 {
-	param_set(PARAM_STRB_MIN_US, 5000);
+	param_set(PARAM_STRB_MIN, 5000);
 	zassert_equal(light->config.min_period_us, 5000);
 	param_set(PARAM_LGT_SRC_HOLD, 1234);
 	zassert_equal(device.lamps[0].arbiter.config.hold_us, 1234000);
 	zassert_equal(device.gimbal_arbiter.config.hold_us, 1234000);
-	param_set(PARAM_LGT_LOSS_MS, 3000);
+	param_set(PARAM_LGT_LOSS, 3000);
 	zassert_equal(device.lamps[0].arbiter.config.loss_us, 3 * S);
 	zassert_equal(device.gimbal_arbiter.config.loss_us, 0, "silence moves no gimbal");
 	param_set(PARAM_GMB_PAN_RATE, 5000);
 	zassert_equal(device.gimbal.config.axes[GIMBAL_PAN].rate_mdeg_per_s, 5000);
-	param_set(PARAM_ESC_MAX_US, 1800);
+	param_set(PARAM_ESC_MAX, 1800);
 	zassert_equal(device.actuators.thruster.config.max_us, 1800);
 	pharos_device_reset_params(&device, now_us, &shell);
 	zassert_equal(light->config.min_period_us, CONFIG_PHAROS_STROBE_PERIOD_MIN_US);
@@ -318,7 +318,7 @@ ZTEST(core_device, test_the_commander_is_a_parameter)
 	zassert_equal(give(&dronecan, &on), DEVICE_ACCEPTED);
 	zassert_equal(param_get(PARAM_LGT_SRC_NOW), ARBITER_SOURCE_DRONECAN);
 	param_set(PARAM_LGT_FALLBACK, ILLUMINATOR_FALLBACK_OFF);
-	param_set(PARAM_LGT_LOSS_MS, 3000);
+	param_set(PARAM_LGT_LOSS, 3000);
 	zassert_equal(pharos_device_deadline_us(&device) <= 3 * S, true);
 	now_us = 3 * S;
 	pharos_device_step(&device, now_us);

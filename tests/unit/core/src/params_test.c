@@ -71,7 +71,7 @@ ZTEST(core_params, test_every_row_is_complete_and_its_name_is_unique)
 
 ZTEST(core_params, test_defaults_are_kconfig_values_and_can_all_be_set)
 {
-	zassert_equal(get("STRB_MIN_US"), CONFIG_PHAROS_STROBE_PERIOD_MIN_US);
+	zassert_equal(get("STRB_MIN"), CONFIG_PHAROS_STROBE_PERIOD_MIN_US);
 	zassert_equal(get("THR_SHUTDOWN"), CONFIG_PHAROS_THERMAL_SHUTDOWN_MDEGC);
 	zassert_equal(get("MAV_COMPID"), 243); /* MAV_COMP_ID_ILLUMINATOR */
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
@@ -127,8 +127,8 @@ ZTEST(core_params, test_each_range_is_closed)
 		zassert_true(param_set_is_empty(&changed));
 		zassert_mem_equal(&params, &kept, sizeof(kept));
 	}
-	zassert_equal(set("SYNC_FILT_US", 0), PARAMS_OK);
-	zassert_equal(set("SYNC_FILT_US", 1000000), PARAMS_OK);
+	zassert_equal(set("SYNC_FILT", 0), PARAMS_OK);
+	zassert_equal(set("SYNC_FILT", 1000000), PARAMS_OK);
 }
 
 ZTEST(core_params, test_temperatures_stay_in_order)
@@ -154,11 +154,11 @@ ZTEST(core_params, test_temperatures_stay_in_order)
 
 ZTEST(core_params, test_strobe_periods_stay_in_order_and_may_be_equal)
 {
-	const int32_t max = get("STRB_MAX_US");
+	const int32_t max = get("STRB_MAX");
 
-	zassert_equal(set("STRB_MIN_US", max), PARAMS_OK);
-	zassert_equal(set("STRB_MIN_US", max + 1), PARAMS_CONFLICT);
-	zassert_equal(set("STRB_MAX_US", max - 1), PARAMS_CONFLICT);
+	zassert_equal(set("STRB_MIN", max), PARAMS_OK);
+	zassert_equal(set("STRB_MIN", max + 1), PARAMS_CONFLICT);
+	zassert_equal(set("STRB_MAX", max - 1), PARAMS_CONFLICT);
 }
 
 ZTEST(core_params, test_reset_tells_what_changed)
@@ -336,7 +336,7 @@ ZTEST(core_params, test_modules_get_their_units)
 	struct sync_config sync;
 	struct arbiter_config arbiter;
 
-	set("SYNC_LOSS_MS", 3600000);
+	set("SYNC_TMO", 3600000);
 	set("SYNC_LOSS", 2);
 	set("LGT_SRC_PRIO", 4);
 	set("LGT_SRC_HOLD", 1500);

@@ -85,13 +85,13 @@ static int32_t stored(enum param_id id)
 ZTEST(core_store, test_layout)
 {
 	static const uint8_t expected[] = {
-		0xa5, 0xda, 0xe8, 0xfb, 0x01, 0x00, 0x00, 0x00, 0x01, 0x07, 0x80, 0x1a, 0x06, 0x00,
+		0x46, 0x27, 0xf5, 0x46, 0x01, 0x00, 0x00, 0x00, 0x01, 0x07, 0x80, 0x1a, 0x06, 0x00,
 		0x20, 0xa1, 0x07, 0x00, 0xa0, 0x86, 0x01, 0x00, 0x01, 0x01, 0x05, 0x01, 0x02, 0x03,
 		0x04, 0x05, 0x06, 0x07, 0x08, 0x09, 0x0a, 0x0b, 0x0c, 0x0d, 0x0e, 0x0f, 0x10, 0x11,
 		0x12, 0x13, 0x14, 0x15, 0x16, 0x17, 0x18, 0x19, 0x1a, 0x1b, 0x1c, 0x1d, 0x1e, 0x1f,
 		0x20, 0x21, 0x22, 0x23, 0x24, 0x25, 0x26, 0x27, 0x28,
-		/* STRB_MIN_US 20000 */
-		0xff, 0xd2, 0xc0, 0xb8, 0x02,
+		/* STRB_MIN 20000 */
+		0xd6, 0x5c, 0xc0, 0xb8, 0x02,
 		/* CAN_LIGHT_ID -1 is behind THR_RECOVER -30000 in the table */
 		0x06, 0x46, 0xdf, 0xd4, 0x03, 0xbc, 0xbb, 0x01};
 	uint8_t signing[STORE_SIGNING_BYTES];
@@ -99,7 +99,7 @@ ZTEST(core_store, test_layout)
 	for (size_t i = 0; i < sizeof(signing); i++) {
 		signing[i] = (uint8_t)(i + 1);
 	}
-	set_at(0, PARAM_STRB_MIN_US, 20000);
+	set_at(0, PARAM_STRB_MIN, 20000);
 	set_at(0, PARAM_THR_RECOVER, -30000);
 	set_at(0, PARAM_CAN_LIGHT_ID, -1);
 	set_light_at(0, 400000);
@@ -118,19 +118,91 @@ ZTEST(core_store, test_layout)
 	zassert_true(store.state.light.enable);
 }
 
-/* The same, with "GONE" 1 before and "NO_SUCH" -70000 after STRB_MIN_US; sequence 7, nothing else.
+/* The same, with "GONE" 1 before and "NO_SUCH" -70000 after STRB_MIN; sequence 7, nothing else.
  */
 ZTEST(core_store, test_a_parameter_that_is_not_in_the_table_is_skipped)
 {
-	static const uint8_t record[] = {0xaf, 0x01, 0xf0, 0x0b, 0x07, 0x00, 0x00, 0x00,
-	                                 0x01, 0x00, 0x5a, 0x66, 0x02, 0xff, 0xd2, 0xc0,
+	static const uint8_t record[] = {0x68, 0xf2, 0x2f, 0x16, 0x07, 0x00, 0x00, 0x00,
+	                                 0x01, 0x00, 0x5a, 0x66, 0x02, 0xd6, 0x5c, 0xc0,
 	                                 0xb8, 0x02, 0x00, 0x9d, 0xdf, 0xc5, 0x08};
 
 	zassert_true(store_offer(&store, 0, record, sizeof(record)));
-	params.values[PARAM_STRB_MIN_US] = 20000;
+	params.values[PARAM_STRB_MIN] = 20000;
 	zassert_mem_equal(store.state.params.values, params.values, sizeof(params.values));
 	zassert_false(store.state.has_light || store.state.has_power || store.state.has_signing);
 	zassert_equal(store.sequence, 7);
+}
+
+/*
+ * A record of version 0.1, whose names had their unit: each with a value of its own, those whose
+ * range has become narrower with more than it has today. Made as above, with the names of then.
+ */
+static const uint8_t record_of_0_1[] = {
+	0xab, 0x3e, 0x24, 0x57, 0x09, 0x00, 0x00, 0x00, 0x01, 0x00, 0xff, 0xd2, 0xc0, 0xb8,
+	0x02, 0x3b, 0x6d, 0x80, 0x9c, 0x9c, 0x39, 0x56, 0xf8, 0x82, 0x90, 0xa1, 0x0f, 0x93,
+	0x9d, 0x16, 0x57, 0x18, 0x80, 0x08, 0x23, 0x0b, 0x6a, 0xca, 0x49, 0xa4, 0x27, 0x24,
+	0x1c, 0xee, 0x0f, 0x16, 0x9a, 0xe8, 0x01, 0x7f, 0x4f, 0x22, 0x57, 0x23, 0x24, 0xa3,
+	0x10, 0x04, 0xe0, 0x8c, 0x26, 0xae, 0xc9, 0xfe, 0x9b, 0x9c, 0x39, 0x4b, 0xa1, 0xfa,
+	0x0f, 0x29, 0x64, 0xcc, 0x1f, 0x5c, 0xe6, 0x2e, 0x1b, 0xc5, 0x98, 0x08, 0xb5, 0x41,
+	0xba, 0x0e, 0xcf, 0x3c, 0x34, 0x14, 0xd8, 0xfe, 0x01, 0x26, 0x20, 0x80, 0x02,
+};
+
+static const struct {
+	enum param_id id;
+	int32_t value;
+} values_of_0_1[] = {
+	{PARAM_STRB_MIN, 20000},   {PARAM_STRB_MAX, 16000000},   {PARAM_BCN_PERIOD, 16000000},
+	{PARAM_PRG_FLASH, 11},     {PARAM_PRG_FADE, 512},        {PARAM_PRG_DOT, 53},
+	{PARAM_LGT_LOSS, 2514},    {PARAM_THR_STUCK, 1015},      {PARAM_THR_MISS, 116},
+	{PARAM_THR_FIRST, 17},     {PARAM_SYNC_TMO, 18},         {PARAM_SYNC_LOSS, 2},
+	{PARAM_SYNC_FILT, 19},     {PARAM_SYNC_PULSE, 16000000},
+#ifdef CONFIG_PHAROS_IMC
+	{PARAM_ESC_MIN, 1021},     {PARAM_ESC_MAX, 2022},        {PARAM_ESC_ARM, 23},
+	{PARAM_ESC_LOSS, 524},     {PARAM_ZOOM_TIME, 925},       {PARAM_DOWN_TIME, 26},
+#endif
+#ifdef CONFIG_PHAROS_GIMBAL
+	{PARAM_GMB_RATE_TMO, 127}, {PARAM_GMB_ATT_TMO, 128},
+#endif
+};
+
+static void assert_values_of_0_1(void)
+{
+	for (size_t i = 0; i < ARRAY_SIZE(values_of_0_1); i++) {
+		zassert_equal(stored(values_of_0_1[i].id), values_of_0_1[i].value, "%s is %d",
+		              params_info(values_of_0_1[i].id)->name, stored(values_of_0_1[i].id));
+		params.values[values_of_0_1[i].id] = values_of_0_1[i].value;
+	}
+	zassert_mem_equal(store.state.params.values, params.values, sizeof(params.values));
+}
+
+ZTEST(core_store, test_a_record_of_version_0_1_is_converted)
+{
+	zassert_true(store_offer(&store, 0, record_of_0_1, sizeof(record_of_0_1)));
+	assert_values_of_0_1();
+	const struct param_set mended = store_check(&store);
+
+	zassert_true(param_set_is_empty(&mended));
+	assert_values_of_0_1();
+	/* Once: the next record has the names of today, and as many values. */
+	store_touch(&store, 0);
+	zassert_true(write_at(0));
+	zassert_equal(reboot(), 1);
+	assert_values_of_0_1();
+	zassert_equal(store_find("STRB_MIN_US"), PARAM_STRB_MIN);
+	zassert_equal(store_find("STRB_MIN"), PARAM_STRB_MIN);
+	zassert_equal(strcmp(store_former_name(PARAM_STRB_MIN), "STRB_MIN_US"), 0);
+	zassert_is_null(store_former_name(PARAM_LGT_CURVE));
+}
+
+/* What was out of range then is no end of a range. */
+ZTEST(core_store, test_only_what_a_range_once_had_becomes_its_end)
+{
+	store_put(&store, PARAM_STRB_MAX, 60000000);
+	zassert_equal(stored(PARAM_STRB_MAX), 16000000);
+	store_put(&store, PARAM_STRB_MAX, 60000001);
+	zassert_equal(stored(PARAM_STRB_MAX), 60000001);
+	store_put(&store, PARAM_THR_STUCK, 3600001);
+	zassert_equal(stored(PARAM_THR_STUCK), 3600001);
 }
 
 /* Each alone, at both ends of its range: no two names have one key. */
@@ -185,23 +257,23 @@ ZTEST(core_store, test_the_longest_record_has_room)
 ZTEST(core_store, test_slots_take_turns_and_the_newest_counts)
 {
 	for (int32_t i = 1; i <= 5; i++) {
-		set_at(i, PARAM_STRB_MIN_US, 10000 + i);
+		set_at(i, PARAM_STRB_MIN, 10000 + i);
 		zassert_true(write_at(i));
 		zassert_equal(reboot(), i == 1 ? 1 : 2);
-		zassert_equal(stored(PARAM_STRB_MIN_US), 10000 + i);
+		zassert_equal(stored(PARAM_STRB_MIN), 10000 + i);
 	}
 	/* And goes on where it was. */
 	zassert_equal(store.sequence, 5);
 	lengths[0] = 0;
 	zassert_equal(reboot(), 1);
-	zassert_equal(stored(PARAM_STRB_MIN_US), 10004);
+	zassert_equal(stored(PARAM_STRB_MIN), 10004);
 }
 
 ZTEST(core_store, test_a_record_that_is_cut_or_changed_anywhere_does_not_read_whole)
 {
 	size_t length;
 
-	set_at(0, PARAM_STRB_MIN_US, 20000);
+	set_at(0, PARAM_STRB_MIN, 20000);
 	set_light_at(0, 7);
 	zassert_true(write_at(0));
 	length = lengths[0];
@@ -223,7 +295,7 @@ ZTEST(core_store, test_of_a_broken_record_limits_of_heat_count_where_they_are_lo
 	set_at(0, PARAM_THR_SHUTDOWN, 120000); /* warmer than its default */
 	set_at(0, PARAM_THR_SAFE, 0);
 	set_at(0, PARAM_THR_FLOOR, 1000000);
-	set_at(0, PARAM_STRB_MIN_US, 20000);
+	set_at(0, PARAM_STRB_MIN, 20000);
 	set_light_at(0, 7);
 	zassert_true(write_at(0));
 	slots[0][0] ^= 1;
@@ -246,7 +318,7 @@ ZTEST(core_store, test_what_is_there_already_costs_nothing)
 	store.state.power = 7; /* holds, and is not stored */
 	store_power(&store, 0, 7);
 	zassert_equal(store_deadline_us(&store), TIME_NEVER_US);
-	set_at(0, PARAM_STRB_MIN_US, 20000);
+	set_at(0, PARAM_STRB_MIN, 20000);
 	set_light_at(0, 7);
 	store_power(&store, 0, 5);
 	store_signing(&store, 0, signing);
@@ -264,14 +336,14 @@ ZTEST(core_store, test_light_settles_and_goes_along_with_what_does_not)
 	set_light_at(10 * S, 1);
 	zassert_equal(store_deadline_us(&store), 11 * S);
 	zassert_false(write_at(11 * S - 1));
-	set_at(10 * S + 100, PARAM_STRB_MIN_US, 20000);
+	set_at(10 * S + 100, PARAM_STRB_MIN, 20000);
 	zassert_equal(store_deadline_us(&store), 10 * S + 100);
 	zassert_true(write_at(10 * S + 100));
 	zassert_equal(store_deadline_us(&store), TIME_NEVER_US);
 	zassert_equal(reboot(), 1);
 	zassert_true(store.state.has_light);
 	zassert_equal(store.state.light.brightness_ppm, 1);
-	zassert_equal(stored(PARAM_STRB_MIN_US), 20000);
+	zassert_equal(stored(PARAM_STRB_MIN), 20000);
 }
 
 ZTEST(core_store, test_what_is_accepted_during_a_write_is_for_the_next)
@@ -279,14 +351,14 @@ ZTEST(core_store, test_what_is_accepted_during_a_write_is_for_the_next)
 	uint8_t record[STORE_RECORD_MAX];
 	uint8_t slot;
 
-	set_at(0, PARAM_STRB_MIN_US, 20000);
+	set_at(0, PARAM_STRB_MIN, 20000);
 	zassert_true(store_begin(&store, 0, record, &slot) > 0);
-	set_at(1, PARAM_STRB_MIN_US, 30000);
+	set_at(1, PARAM_STRB_MIN, 30000);
 	store_done(&store, 2, true);
 	zassert_equal(store_deadline_us(&store), 1);
 	zassert_true(write_at(2));
 	zassert_equal(reboot(), 1, "the first one was not put anywhere");
-	zassert_equal(stored(PARAM_STRB_MIN_US), 30000);
+	zassert_equal(stored(PARAM_STRB_MIN), 30000);
 	zassert_equal(store.sequence, 2);
 }
 
@@ -301,7 +373,7 @@ ZTEST(core_store, test_a_write_that_failed_is_tried_again)
 	store_done(&store, S, false);
 	zassert_equal(store_deadline_us(&store), S + STORE_RETRY_US);
 	/* Sooner, when something is accepted; and into the same slot: the other one is whole. */
-	set_at(2 * S, PARAM_STRB_MIN_US, 20000);
+	set_at(2 * S, PARAM_STRB_MIN, 20000);
 	zassert_equal(store_deadline_us(&store), 2 * S);
 	zassert_true(store_begin(&store, 2 * S, record, &second) > 0);
 	zassert_equal(second, first);

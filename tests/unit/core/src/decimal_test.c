@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Decimal numbers as people write them, against the same written by hand as integers. */
+#include <string.h>
+
 #include <zephyr/ztest.h>
 
-#include "threads/shell/fixed.h"
+#include "core/decimal.h"
 
 #define UNTOUCHED INT64_C(-77)
 
-ZTEST_SUITE(threads_fixed, NULL, NULL, NULL, NULL, NULL);
+ZTEST_SUITE(core_decimal, NULL, NULL, NULL, NULL, NULL);
 
 static void expect_parsed(const char *text, unsigned int decimals, int64_t expected)
 {
 	int64_t value = UNTOUCHED;
 
-	zassert_true(fixed_parse(text, decimals, &value), "%s", text);
+	zassert_true(decimal_parse_exact(text, decimals, &value), "%s", text);
 	zassert_equal(value, expected, "%s is not %lld", text, (long long)value);
 }
 
@@ -20,11 +22,11 @@ static void expect_refused(const char *text, unsigned int decimals)
 {
 	int64_t value = UNTOUCHED;
 
-	zassert_false(fixed_parse(text, decimals, &value), "%s", text);
+	zassert_false(decimal_parse_exact(text, decimals, &value), "%s", text);
 	zassert_equal(value, UNTOUCHED);
 }
 
-ZTEST(threads_fixed, test_numbers)
+ZTEST(core_decimal, test_numbers)
 {
 	expect_parsed("0", 0, 0);
 	expect_parsed("40", 4, 400000);
@@ -35,13 +37,48 @@ ZTEST(threads_fixed, test_numbers)
 	expect_parsed("007", 0, 7);
 }
 
-ZTEST(threads_fixed, test_digits_beyond_the_decimals_must_be_zeros)
+ZTEST(core_decimal, test_digits_beyond_the_decimals_must_be_zeros)
 {
 	expect_parsed("0.100000", 1, 1);
 	expect_refused("0.11", 1);
 }
 
-ZTEST(threads_fixed, test_what_is_no_number)
+static void expect_rounded(const char *text, unsigned int decimals, int64_t expected)
+{
+	int64_t value = UNTOUCHED;
+
+	zassert_equal(decimal_parse(text, strlen(text), decimals, &value), DECIMAL_ROUNDED);
+	zassert_equal(value, expected, "%s is not %lld", text, (long long)value);
+}
+
+ZTEST(core_decimal, test_digits_beyond_the_decimals_round_to_the_nearest)
+{
+	expect_rounded("0.14", 1, 1);
+	expect_rounded("0.15", 1, 2);
+	expect_rounded("0.1499", 1, 1);
+	expect_rounded("-0.15", 1, -2);
+	expect_rounded("-0.04", 1, 0);
+	expect_rounded("9.99", 1, 100);
+	expect_rounded("2.5", 0, 3);
+	expect_rounded("922337203685477580.64", 1, INT64_MAX - 1);
+	expect_refused("922337203685477580.75", 1); /* would be INT64_MAX + 1 */
+}
+
+ZTEST(core_decimal, test_a_length_ends_the_text)
+{
+	int64_t value = UNTOUCHED;
+
+	zassert_equal(decimal_parse("12345", 2, 0, &value), DECIMAL_EXACT);
+	zassert_equal(value, 12);
+	zassert_equal(decimal_parse("1.25", 3, 1, &value), DECIMAL_EXACT);
+	zassert_equal(value, 12);
+	value = UNTOUCHED;
+	zassert_equal(decimal_parse("-1", 1, 0, &value), DECIMAL_NO_NUMBER);
+	zassert_equal(decimal_parse("1", 0, 0, &value), DECIMAL_NO_NUMBER);
+	zassert_equal(value, UNTOUCHED);
+}
+
+ZTEST(core_decimal, test_what_is_no_number)
 {
 	static const char *const texts[] = {"",   "-",     ".5",  "1e3", "1 ",
 	                                    " 1", "1.2.3", "nan", "+1",  "1,5"};
@@ -51,7 +88,7 @@ ZTEST(threads_fixed, test_what_is_no_number)
 	}
 }
 
-ZTEST(threads_fixed, test_too_large)
+ZTEST(core_decimal, test_too_large)
 {
 	/* INT64_MAX = 9223372036854775807 */
 	expect_parsed("922337203685477580.7", 1, INT64_MAX);
@@ -63,13 +100,13 @@ ZTEST(threads_fixed, test_too_large)
 
 static void expect_text(int64_t value, unsigned int decimals, const char *expected)
 {
-	char text[FIXED_TEXT_MAX];
+	char text[DECIMAL_TEXT_MAX];
 
-	fixed_format(text, value, decimals);
+	zassert_equal(decimal_print(text, value, decimals), strlen(expected));
 	zassert_equal(strcmp(text, expected), 0, "%s", text);
 }
 
-ZTEST(threads_fixed, test_texts)
+ZTEST(core_decimal, test_texts)
 {
 	expect_text(0, 0, "0");
 	expect_text(0, 6, "0");
