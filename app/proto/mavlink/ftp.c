@@ -302,6 +302,11 @@ static uint8_t operate(struct mavlink_ftp *self, const struct mavlink_context *c
 	if (request->size > MAVLINK_FTP_DATA_MAX) {
 		return MAV_FTP_ERR_INVALIDDATASIZE;
 	}
+#ifdef CONFIG_PHAROS_UPLOAD
+	if (mavlink_upload_is_repeated(&self->upload, context, request)) {
+		return self->upload.error;
+	}
+#endif
 	switch (request->opcode) {
 	case MAV_FTP_OPCODE_NONE:
 		return MAV_FTP_ERR_NONE;

@@ -57,6 +57,15 @@ bool mavlink_upload_is_named(const struct mavlink_upload *self,
 	return names_it(request) && self->state != MAVLINK_UPLOAD_IDLE && is_whose(self, context);
 }
 
+bool mavlink_upload_is_repeated(const struct mavlink_upload *self,
+                                const struct mavlink_context *context,
+                                const struct mavlink_ftp_request *request)
+{
+	return self->state == MAVLINK_UPLOAD_IDLE && self->error != MAV_FTP_ERR_NONE &&
+	       self->owed.opcode == request->opcode && self->owed.sequence == request->sequence &&
+	       is_whose(self, context);
+}
+
 /* --- its owner's jobs ------------------------------------------------------------------------- */
 
 static uint8_t later(struct mavlink_upload *self, const struct mavlink_ftp_request *request)

@@ -47,8 +47,8 @@ struct mavlink_upload {
 	uint32_t crc32;    /* of them */
 	struct mavlink_ftp_client client;
 	uint8_t session;
-	bool is_ready; /* the answer that is owed is known */
-	uint8_t error;
+	bool is_ready;                   /* the answer that is owed is known */
+	uint8_t error;                   /* MAV_FTP_ERR of what is or was owed */
 	struct mavlink_ftp_request owed; /* opcode 0: none */
 	uint16_t fill;                   /* bytes in buffer */
 	uint8_t buffer[MAVLINK_UPLOAD_BLOCK + MAVLINK_FTP_DATA_MAX];
@@ -78,6 +78,11 @@ uint8_t mavlink_upload_terminate(struct mavlink_upload *self, const struct mavli
 bool mavlink_upload_is_named(const struct mavlink_upload *self,
                              const struct mavlink_context *context,
                              const struct mavlink_ftp_request *request);
+
+/* The request that failed and ended the upload, repeated: its answer may have been lost. */
+bool mavlink_upload_is_repeated(const struct mavlink_upload *self,
+                                const struct mavlink_context *context,
+                                const struct mavlink_ftp_request *request);
 
 /* If it is the client's. */
 void mavlink_upload_reset(struct mavlink_upload *self, const struct mavlink_context *context);

@@ -23,6 +23,7 @@ from .link import Link, Pacer, Port, RealPacer, open_link
 from .parameters import Parameter, ParameterError, Parameters
 from .session import connect
 from .sim import Edge, Simulator, Tunnel, Wire
+from .update import UpdatePhase, UpdateProgress, update_light
 from .vcd import Signal, read_vcd
 
 __all__ = [
@@ -53,6 +54,8 @@ __all__ = [
     "Status",
     "Target",
     "Tunnel",
+    "UpdatePhase",
+    "UpdateProgress",
     "UrlError",
     "UsageError",
     "Wire",
@@ -62,4 +65,5 @@ __all__ = [
     "load_dialect",
     "open_link",
     "read_vcd",
+    "update_light",
 ]

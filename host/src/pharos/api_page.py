@@ -47,6 +47,7 @@ with pharos.connect("udp:127.0.0.1:14550") as light:
 GROUPS = {
     "A light": ("connect", "Light", "Status", "Information"),
     "Its parameters and files": ("Parameters", "Parameter", "FileClient"),
+    "New firmware": ("update_light", "UpdateProgress", "UpdatePhase"),
     "Finding": ("find_lights", "Found"),
     "Links and time": (
         "open_link", "Link", "Port", "Pacer", "RealPacer", "MavlinkConnection", "Source", "Target",

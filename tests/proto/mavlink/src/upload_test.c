@@ -262,6 +262,7 @@ ZTEST(mavlink_upload, test_a_failure_is_told_and_ends_it)
 	zassert_equal(ask((struct ask){.opcode = TERMINATE}), LATER);
 	zassert_equal(out.upload, MAVLINK_OUTBOX_UPLOAD_LAST);
 	assert_error(done("the image ends too early"), FAIL);
+	assert_error(ask_again((struct ask){.opcode = TERMINATE, .component = 243}), FAIL);
 	assert_error(ask((struct ask){.opcode = TERMINATE}), INVALID_SESSION);
 }
 
