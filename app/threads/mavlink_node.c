@@ -302,6 +302,19 @@ static void tell_driver_fault(int64_t now_us)
 	                      fault ? "Lamp driver reports a fault" : "Lamp driver is well again");
 }
 
+static void tell_lock(int64_t now_us)
+{
+#ifdef CONFIG_PHAROS_SIGNING
+	static int64_t next_us;
+
+	if (now_us >= next_us && endpoint.signing.locked) {
+		next_us = now_us + TOLD_AGAIN_US;
+		mavlink_endpoint_text(&endpoint, now_us, 2 /* MAV_SEVERITY_CRITICAL */,
+		                      "Key lost: obeys only its console (signing key)");
+	}
+#endif
+}
+
 static void tell_clash(int64_t now_us)
 {
 	static int64_t next_us;
@@ -325,6 +338,7 @@ void mavlink_node_step(void)
 	tell_startup(now_us);
 	tell_storage_failure(now_us);
 	tell_driver_fault(now_us);
+	tell_lock(now_us);
 	tell_clash(now_us);
 	mavlink_endpoint_step(&endpoint, now_us, &out);
 }

@@ -26,6 +26,11 @@
 
 LOG_MODULE_REGISTER(storage);
 
+#ifdef CONFIG_PHAROS_SIGNING
+/* As it lies in the store: little endian on every target, without gaps. */
+_Static_assert(sizeof(struct mavlink_signing_record) == STORE_SIGNING_BYTES, "timestamp and key");
+#endif
+
 #define SUBTREE      "pharos"
 #define OLD_LIGHT    "light"
 #define OLD_POWER    "power"
@@ -162,6 +167,23 @@ static bool old_is_there(void)
 	return !param_set_is_empty(&old.params) || old.light || old.power || old.signing;
 }
 
+static bool old_key_is_lost(void)
+{
+	return old.signing && !store.state.has_signing;
+}
+
+/* There may have been a key: a light must not open because its store cannot be read. */
+static void lock_signing(void)
+{
+#ifdef CONFIG_PHAROS_SIGNING
+	const struct mavlink_signing_record lost = {.timestamp = MAVLINK_SIGNING_LOST};
+
+	LOG_ERR("a key may be lost: locked until the console says `signing key` or `signing off`");
+	memcpy(store.state.signing, &lost, sizeof(lost));
+	store.state.has_signing = true;
+#endif
+}
+
 /* First what is old: a whole record takes its place, and what still reads of a broken one lowers
  * it. */
 static int load_all(void)
@@ -183,6 +205,9 @@ static int load_all(void)
 		LOG_ERR("%u of %u records cannot be read", loading.found - loading.whole,
 		        loading.found);
 		stats.refused += loading.found - loading.whole;
+	}
+	if (error != 0 || (loading.whole == 0 && (loading.found > 0 || old_key_is_lost()))) {
+		lock_signing();
 	}
 	if (loading.found > loading.whole || (loading.whole == 0 && old_is_there())) {
 		store_touch(&store, 0);
@@ -229,9 +254,6 @@ uint8_t storage_load_power(uint8_t fallback)
 #endif
 
 #ifdef CONFIG_PHAROS_SIGNING
-/* As it lies in the store: little endian on every target, without gaps. */
-_Static_assert(sizeof(struct mavlink_signing_record) == STORE_SIGNING_BYTES, "timestamp and key");
-
 void storage_load_signing(struct mavlink_signing_record *signing)
 {
 	memset(signing, 0, sizeof(*signing));

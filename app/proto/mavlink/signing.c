@@ -71,8 +71,9 @@ void mavlink_signing_init(struct mavlink_signing *self, int64_t now_us,
 {
 	memset(self, 0, sizeof(*self));
 	self->now = *stored;
-	self->on = !is_zero(stored->key);
-	begin_at(self, now_us, stored->timestamp);
+	self->locked = is_zero(stored->key) && stored->timestamp == MAVLINK_SIGNING_LOST;
+	self->on = !is_zero(stored->key) || self->locked;
+	begin_at(self, now_us, self->locked ? 0 : stored->timestamp);
 	self->stored = self->now.timestamp;
 }
 
@@ -89,6 +90,7 @@ void mavlink_signing_set_key(struct mavlink_signing *self, int64_t now_us,
 	}
 	self->now = *record;
 	self->on = on;
+	self->locked = false;
 	self->to_store = true;
 	self->stream_count = 0;
 	begin_at(self, now_us, record->timestamp);
@@ -160,7 +162,7 @@ static enum mavlink_signing_verdict judge(struct mavlink_signing *self, int64_t 
 	if (!frame->has_signature) {
 		return MAVLINK_SIGNING_UNSIGNED;
 	}
-	if (!is_right(self, frame)) {
+	if (self->locked || !is_right(self, frame)) {
 		return MAVLINK_SIGNING_BAD_SIGNATURE;
 	}
 
@@ -227,7 +229,7 @@ int64_t mavlink_signing_deadline_us(const struct mavlink_signing *self)
 	if (self->to_store) {
 		return self->at_us;
 	}
-	if (!self->on || due > MAVLINK_TIMESTAMP_MAX) {
+	if (!self->on || self->locked || due > MAVLINK_TIMESTAMP_MAX) {
 		return TIME_NEVER_US;
 	}
 	if (due <= self->now.timestamp) {

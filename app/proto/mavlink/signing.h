@@ -20,6 +20,9 @@
  * A full table of streams reuses the place of a stream whose last frame is more than a minute
  * behind: nothing of it could be repeated. If there is none, the new stream is refused.
  *
+ * A key that was lost (what was stored cannot be read) locks: every frame is refused until a new
+ * key is set, or none, which only the device's own shell can do then.
+ *
  * The key is in the owner's memory and in what is stored; nothing here tells it.
  *
  * Context: the thread that owns it. Spec: mavlink.io/en/guide/message_signing.html.
@@ -47,6 +50,9 @@ struct mavlink_signing_record {
 	uint64_t timestamp;
 	uint8_t key[MAVLINK_SIGNING_KEY_BYTES]; /* all zero: none, signing is off */
 };
+
+/* The timestamp of a record whose key, all zero, was lost: no timestamp that there can be. */
+#define MAVLINK_SIGNING_LOST UINT64_MAX
 
 enum mavlink_signing_verdict {
 	MAVLINK_SIGNING_ACCEPTED, /* rightly signed; or there is no key */
@@ -79,12 +85,13 @@ struct mavlink_signing {
 	uint64_t stored; /* timestamp that was last given out to be stored */
 	int64_t at_us;
 	bool on;
+	bool locked;   /* and on: the key was lost */
 	bool to_store; /* the key is new */
 	uint8_t stream_count;
 	struct mavlink_signing_stream streams[MAVLINK_SIGNING_STREAMS_MAX];
 };
 
-/* stored: from the last run; an all-zero key: off. */
+/* stored: from the last run; an all-zero key: off, or lost. */
 void mavlink_signing_init(struct mavlink_signing *self, int64_t now_us,
                           const struct mavlink_signing_record *stored);
 

@@ -149,6 +149,7 @@ struct status {
 	uint8_t secure_links;
 	uint8_t streams;
 	bool on;
+	bool locked;
 };
 
 static int copy_status(struct pharos_device *device, void *argument)
@@ -161,6 +162,7 @@ static int copy_status(struct pharos_device *device, void *argument)
 	status->secure_links = endpoint->config.secure_links;
 	status->streams = endpoint->signing.stream_count;
 	status->on = endpoint->signing.on;
+	status->locked = endpoint->signing.locked;
 	return 0;
 }
 
@@ -176,7 +178,10 @@ static int cmd_signing_status(const struct shell *sh, size_t argc, char **argv)
 		text,
 		(int64_t)(now.timestamp + MAVLINK_TIMESTAMP_EPOCH_S * MAVLINK_TIMESTAMP_SECOND),
 		STAMP_DECIMALS);
-	shell_print(sh, "%-16s%s", "key", now.on ? "set" : "none");
+	shell_print(sh, "%-16s%s", "key",
+	            now.locked ? "lost: locked until signing key, or signing off"
+	            : now.on   ? "set"
+	                       : "none");
 	shell_print(sh, "%-16s%s s, Unix time", "timestamp", text);
 	shell_print(sh, "%-16s%u of %d", "streams", now.streams, MAVLINK_SIGNING_STREAMS_MAX);
 	for (uint32_t i = 0; i < MAVLINK_SIGNING_VERDICTS; i++) {

@@ -225,6 +225,8 @@ int settings_subsys_init(void)
 		        settings_host_medium()->path());
 	} else if (rc != 0) {
 		LOG_ERR("cannot read the settings: error %d", rc);
+	} else if (store.lost) {
+		LOG_ERR("nothing that was stored can be read");
 	} else if (store.stats.broken > 0) {
 		LOG_WRN("%u broken records left out", (unsigned int)store.stats.broken);
 	}
@@ -303,7 +305,7 @@ static int load(const char *subtree, settings_load_direct_cb cb, void *param)
 		}
 	}
 	loading = false;
-	return 0;
+	return store.lost ? -EIO : 0;
 }
 
 int settings_load_subtree(const char *subtree)

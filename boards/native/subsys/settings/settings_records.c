@@ -269,6 +269,15 @@ static void count_live(struct settings_records *self)
 	}
 }
 
+/* Whether so much is there as a first record that was cut short cannot leave. */
+static bool is_more_than_begun(const struct settings_records *self, size_t length, size_t from)
+{
+	const size_t at = skip_padding(self, from, length);
+	const size_t first = header_length(&self->image[at], length - at);
+
+	return length > at + (first != 0 ? padded(first) : SETTINGS_WORD);
+}
+
 int settings_records_open(struct settings_records *self, const struct settings_medium *medium)
 {
 	bool has_mark;
@@ -276,13 +285,16 @@ int settings_records_open(struct settings_records *self, const struct settings_m
 
 	self->medium = NULL;
 	self->rewrite = false;
+	self->lost = false;
 	memset(&self->stats, 0, sizeof(self->stats));
 	length = read_content(self, medium);
 	if (length < 0) {
 		return length;
 	}
 	has_mark = length >= MARK_SIZE && memcmp(self->image, MARK, MARK_SIZE) == 0;
+	self->lost = is_more_than_begun(self, (size_t)length, has_mark ? MARK_SIZE : 0);
 	keep_sound(self, (size_t)length, has_mark ? MARK_SIZE : 0);
+	self->lost = self->lost && self->length == HEAD_SIZE;
 	if (length > 0 && !has_mark && self->length == HEAD_SIZE) {
 		return -EBADMSG;
 	}

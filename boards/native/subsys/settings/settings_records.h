@@ -19,6 +19,9 @@
  *
  * A broken record is left out; the records after it are found by its own length if that is sound,
  *else by searching for the next sound record.
+ *
+ * When nothing is sound, either the first write ever was cut short, and nothing is lost; or there
+ * is more than that can leave, and what was stored is.
  */
 #ifndef SETTINGS_RECORDS_H
 #define SETTINGS_RECORDS_H
@@ -49,6 +52,7 @@ struct settings_records_stats {
 struct settings_records {
 	const struct settings_medium *medium; /* NULL: not open */
 	struct settings_records_stats stats;
+	bool lost;    /* there was something, and none of it is sound */
 	bool rewrite; /* the medium's content is not what `image` is: replace it */
 	size_t live;  /* bytes of `image` that count, its head included */
 	size_t length;
