@@ -43,14 +43,16 @@ def _obeys(light: Light) -> bool:
         return False
 
 
-@pytest.fixture
-def damaged(boot: Boot, path: Path) -> Path:
+@pytest.fixture(params=[1, 2], ids=["one record", "two"])
+def damaged(request: pytest.FixtureRequest, boot: Boot, path: Path) -> Path:
     """The settings of a light with a key, none of which can be read."""
     light, shell = boot()
     shell(f"signing key {UNIX}")
     shell(KEY.hex())
-    shell("param set STRB_MIN_US 50000")
     light.sim.advance(s=5)
+    if request.param > 1:
+        shell("param set STRB_MIN 0.05")
+        light.sim.advance(s=5)
     assert light.sim.quit() == 0
     content = bytearray(path.read_bytes())
     for at in range(HEAD + 8, len(content), 16):
@@ -84,13 +86,13 @@ def test_a_light_whose_key_is_lost_obeys_nobody_but_the_console(damaged: Path, b
 
 def test_the_lock_outlasts_what_is_stored_then(damaged: Path, boot: Boot) -> None:
     light, shell = boot()
-    shell("param set STRB_MIN_US 40000")
+    shell("param set STRB_MIN 0.04")
     light.sim.advance(s=5)
     assert light.sim.quit() == 0
     light, shell = boot()
     assert not _obeys(light)
     assert "lost" in shell("signing status")
-    assert "40000" in shell("param get STRB_MIN_US")
+    assert "0.04" in shell("param get STRB_MIN")
 
 
 def test_signing_off_opens_it(damaged: Path, boot: Boot) -> None:
@@ -115,7 +117,7 @@ def test_a_new_key_is_a_key(damaged: Path, boot: Boot, time: str) -> None:
 
 def test_a_first_write_that_was_cut_short_locks_nothing(boot: Boot, path: Path) -> None:
     light, shell = boot()
-    shell("param set STRB_MIN_US 50000")
+    shell("param set STRB_MIN 0.05")
     light.sim.advance(s=5)
     assert light.sim.quit() == 0
     whole = path.read_bytes()

@@ -269,13 +269,17 @@ static void count_live(struct settings_records *self)
 	}
 }
 
-/* Whether so much is there as a first record that was cut short cannot leave. */
+/* Whether so much is there as a first record that was cut short cannot leave. Of one that is there
+ * to its end, the last word can be the one that was cut, if it cannot be read. */
 static bool is_more_than_begun(const struct settings_records *self, size_t length, size_t from)
 {
 	const size_t at = skip_padding(self, from, length);
 	const size_t first = header_length(&self->image[at], length - at);
 
-	return length > at + (first != 0 ? padded(first) : SETTINGS_WORD);
+	const size_t most = at + (first != 0 ? padded(first) : SETTINGS_WORD);
+	const bool has_unreadable_word = self->rewrite;
+
+	return length > most || (length == most && first != 0 && !has_unreadable_word);
 }
 
 int settings_records_open(struct settings_records *self, const struct settings_medium *medium)
