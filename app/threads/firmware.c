@@ -7,8 +7,10 @@
 #include <zephyr/kernel.h>
 #include <zephyr/logging/log.h>
 #include <zephyr/storage/flash_map.h>
+#include <zephyr/sys/util.h>
 
 #include "core/assert.h"
+#include "core/sha256.h"
 #include "threads/devices.h"
 #include "threads/inbox.h"
 #include "threads/storage.h"
@@ -222,14 +224,18 @@ static const char *write_block(const struct flash_area *slot)
 static const char *check_and_mark(const struct flash_area *slot)
 {
 	uint8_t buffer[READ_BACK_SIZE];
-	const struct flash_area_check check = {
-		.match = image.hash,
-		.clen = image.hashed_size,
-		.rbuf = buffer,
-		.rblen = sizeof(buffer),
-	};
+	struct sha256 sum;
 
-	if (flash_area_check_int_sha256(slot, &check) != 0) {
+	sha256_begin(&sum);
+	for (uint32_t at = 0; at < image.hashed_size; at += sizeof(buffer)) {
+		const size_t size = MIN(sizeof(buffer), image.hashed_size - at);
+
+		if (flash_area_read(slot, at, buffer, size) != 0) {
+			return "the slot cannot be read";
+		}
+		sha256_add(&sum, buffer, size);
+	}
+	if (memcmp(sha256_end(&sum), image.hash, sizeof(image.hash)) != 0) {
 		return "the image does not have its SHA-256";
 	}
 	return boot_request_upgrade(BOOT_UPGRADE_TEST) == 0 ? NULL : "the image cannot be marked";

@@ -3,14 +3,10 @@
 
 #include "core/assert.h"
 #include "core/limits.h"
+#include "core/sha256.h"
 #include "proto/mavlink/dialect.h"
 
 #include <string.h>
-
-/* Of the generated library: SHA-256 for signatures, as functions of this file. */
-#undef MAVLINK_HELPER
-#define MAVLINK_HELPER static inline
-#include <mavlink_sha256.h>
 
 /* Where the fields lie in a signature. */
 #define TIMESTAMP_AT    1
@@ -100,12 +96,12 @@ void mavlink_signing_set_key(struct mavlink_signing *self, int64_t now_us,
 static void hash(const struct mavlink_signing *self, const uint8_t *bytes, size_t length,
                  uint8_t result[HASH_BYTES])
 {
-	mavlink_sha256_ctx context;
+	struct sha256 sum;
 
-	mavlink_sha256_init(&context);
-	mavlink_sha256_update(&context, self->now.key, sizeof(self->now.key));
-	mavlink_sha256_update(&context, bytes, (uint32_t)(length + HASH_AT));
-	mavlink_sha256_final_48(&context, result);
+	sha256_begin(&sum);
+	sha256_add(&sum, self->now.key, sizeof(self->now.key));
+	sha256_add(&sum, bytes, length + HASH_AT);
+	memcpy(result, sha256_end(&sum), HASH_BYTES);
 }
 
 /* Takes as long whichever byte is wrong. */

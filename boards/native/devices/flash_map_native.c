@@ -4,7 +4,6 @@
 #include <errno.h>
 #include <string.h>
 
-#include <nettle/sha2.h>
 
 #include "devices/fault.h"
 #include "host/flash_store.h"
@@ -96,28 +95,4 @@ uint32_t flash_area_align(const struct flash_area *fa)
 uint8_t flash_area_erased_val(const struct flash_area *fa)
 {
 	return UINT8_MAX;
-}
-
-int flash_area_check_int_sha256(const struct flash_area *fa, const struct flash_area_check *fac)
-{
-	uint8_t digest[SHA256_DIGEST_SIZE];
-	struct sha256_ctx context;
-
-	if (fac->match == NULL || fac->rbuf == NULL || fac->clen == 0 || fac->rblen == 0) {
-		return -EINVAL;
-	}
-	sha256_init(&context);
-	for (size_t done = 0; done < fac->clen;) {
-		const size_t left = fac->clen - done;
-		const size_t count = left < fac->rblen ? left : fac->rblen;
-		const int error = flash_area_read(fa, (off_t)(fac->off + done), fac->rbuf, count);
-
-		if (error != 0) {
-			return error;
-		}
-		sha256_update(&context, count, fac->rbuf);
-		done += count;
-	}
-	sha256_digest(&context, sizeof(digest), digest);
-	return memcmp(digest, fac->match, sizeof(digest)) == 0 ? 0 : -EILSEQ;
 }

@@ -37,16 +37,4 @@ int flash_area_erase(const struct flash_area *fa, off_t off, size_t len);
 uint32_t flash_area_align(const struct flash_area *fa);
 uint8_t flash_area_erased_val(const struct flash_area *fa);
 
-/* match: the SHA-256 that clen bytes from off should have; rbuf: rblen bytes to read through. */
-struct flash_area_check {
-	const uint8_t *match;
-	size_t clen;
-	size_t off;
-	uint8_t *rbuf;
-	size_t rblen;
-};
-
-/* 0: it has. -EILSEQ: it has another. */
-int flash_area_check_int_sha256(const struct flash_area *fa, const struct flash_area_check *fac);
-
 #endif
