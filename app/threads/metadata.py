@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Generate the component's metadata, MAVLink's general and parameter JSON, from the table.
+"""Generate the illuminator's metadata, MAVLink's general and parameter JSON, from the table.
 
 The C preprocessor reads the table (core/params_table.h) with the build's configuration, so a row is
 what the firmware has. Writes --out: a C file with both, for threads/metadata.h.
@@ -156,6 +156,11 @@ def parameter(row: list[str]) -> dict[str, Any]:
     return said
 
 
+def is_illuminators(entry: dict[str, Any]) -> bool:
+    """Whether the illuminator's component lists it: mavlink_params_is() in param_service.c."""
+    return entry["group"] != "GIMBAL" or entry["name"] in ("GMB_ENABLE", "GMB_COMPID")
+
+
 def crc32(data: bytes) -> int:
     """MAVLink's: from 0, not inverted at the end (mavlink.io/en/guide/crc.html)."""
     return zlib.crc32(data, 0xFFFFFFFF) ^ 0xFFFFFFFF
@@ -177,7 +182,7 @@ def metadata(text: str) -> dict[str, bytes]:
     if not rows or any(len(row) != 9 for row in rows):
         raise MetadataError(f"the table does not have rows of 9 cells: {rows[:1]}")
     vendor, model, version, major, minor = calls(text, "PHAROS_ABOUT")[0]
-    table = [parameter(row) for row in rows]
+    table = [entry for entry in map(parameter, rows) if is_illuminators(entry)]
     parameters = compress(as_json({"version": PARAMETERS_VERSION, "parameters": table}))
     general = as_json(  # too short to become shorter
         {

@@ -203,10 +203,20 @@ def test_the_set_of_parameters_is_fixed_after_boot(light: Light) -> None:
     assert names() == before
 
 
-def test_the_gimbal_serves_no_parameters(light: Light) -> None:
-    """Ground stations show a table for each component that answers: there is but one."""
-    ask_list(light.mav, Target(1, 154))
-    assert of("PARAM_VALUE", light.collect(2)) == []
+def test_the_gimbal_serves_its_own_parameters(light: Light) -> None:
+    """Ground stations keep a table for each component that they hear: each is complete in itself,
+    and what decides whether there is a gimbal is the light's."""
+    tables = {}
+    for component in (154, ILLUMINATOR):
+        ask_list(light.mav, Target(1, component))
+        came = of("PARAM_VALUE", light.collect(4))
+        assert {m.get_srcComponent() for m in came} == {component}
+        assert sorted(m.param_index for m in came) == list(range(came[0].param_count))
+        tables[component] = {m.param_id for m in came}
+    assert len(tables[154]) == 20
+    assert all(name.startswith("GMB_") for name in tables[154])
+    others = {name for name in tables[ILLUMINATOR] if name.startswith("GMB_")}
+    assert others == {"GMB_ENABLE", "GMB_COMPID"}
 
 
 # --- what people are told -------------------------------------------------------------------------

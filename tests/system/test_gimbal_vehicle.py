@@ -135,7 +135,7 @@ def test_ardupilots_storm32_driver_steers_it_with_its_own_signs(
     fleet: Fleet[OldArduPilot],
 ) -> None:
     vehicle = fleet(OldArduPilot)
-    set_param(Light(vehicle.sim, vehicle.mav), "GMB_MNT_SIGN", 3, target=Target(1, 243))
+    set_param(Light(vehicle.sim, vehicle.mav), "GMB_MNT_SIGN", 3, target=GIMBAL)
     vehicle.angles = Attitude(0, -25, 40)
     vehicle.fly(3)
     assert vehicle.has_gimbal()
@@ -211,7 +211,7 @@ def test_the_vehicle_asked_is_the_one_whose_id_was_adopted(
 
 def test_nobody_is_asked_when_the_parameter_says_so(start: Starts) -> None:
     light = light_on(start({"uart0": WIRES["udp"]}))
-    set_param(light, "GMB_ASK_DATA", 0)
+    set_param(light, "GMB_ASK_DATA", 0, target=GIMBAL)
     vehicle = Vehicle(light.sim, light.mav)
     vehicle.fly(5)
     assert vehicle.asked == []
@@ -231,8 +231,8 @@ def test_attitude_status_is_never_older_than_a_second(light: Light) -> None:
 
 
 def test_information_has_the_limits_of_the_parameters(light: Light) -> None:
-    set_param(light, "GMB_PAN_MIN", -60)
-    set_param(light, "GMB_TLT_MAX", 30)
+    set_param(light, "GMB_PAN_MIN", -60, target=GIMBAL)
+    set_param(light, "GMB_TLT_MAX", 30, target=GIMBAL)
     assert light.mav.command_long(REQUEST_MESSAGE, INFORMATION, target=GIMBAL).result == ACCEPTED
     info = light.mav.recv("GIMBAL_DEVICE_INFORMATION", timeout_us=0)
     limits = (info.yaw_min, info.yaw_max, info.pitch_min, info.pitch_max)

@@ -184,8 +184,12 @@ def test_everyone_is_asked_and_the_light_answers(light: Light) -> None:
         send_set(light.mav, "LGT_RESTORE", 1, target=target)
         assert value_of(light.mav.recv("PARAM_VALUE")) == 1
         ask_list(light.mav, target)
-        came = values(light.collect(3))
-        assert len(came) == came[0].param_count
+        lists: dict[int, list[Any]] = {}
+        for message in values(light.collect(3)):
+            lists.setdefault(message.get_srcComponent(), []).append(message)
+        assert set(lists) == ({243} if target.component == 243 else {154, 243})
+        for came in lists.values():
+            assert sorted(m.param_index for m in came) == list(range(came[0].param_count))
 
 
 def test_others_are_not_answered_for(light: Light) -> None:

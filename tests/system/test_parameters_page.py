@@ -9,6 +9,7 @@ import sys
 
 from harness import BUILD, ROOT, Light
 from parameters import ask_list
+from pharos import Target
 
 
 def test_the_page_is_not_stale() -> None:
@@ -24,7 +25,7 @@ def test_the_page_has_every_parameter_of_the_light_and_its_default(udp_light: Li
     page = (ROOT / "docs" / "parameters.md").read_text(encoding="utf-8")
     rows = dict(re.findall(r"^\| `(\w+)` \| (-?[\d.]+) \|", page, re.MULTILINE))
     udp_light.mav.inbox.clear()
-    ask_list(udp_light.mav)
+    ask_list(udp_light.mav, Target(1, 0))  # the light and its gimbal
     came = [m for m in udp_light.collect(5) if m.get_type() == "PARAM_VALUE"]
     assert {m.param_id for m in came} == set(rows)
     assert rows["THR_SHUTDOWN"] == "100"  # CONFIG_PHAROS_THERMAL_SHUTDOWN_MDEGC

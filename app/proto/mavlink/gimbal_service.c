@@ -54,6 +54,7 @@ void mavlink_gimbal_init(struct mavlink_gimbal *self, struct pharos_device *devi
 	memset(self, 0, sizeof(*self));
 	self->device = device;
 	self->identity = identity;
+	mavlink_params_init(&self->params, device, MAVLINK_PARAMS_GIMBAL);
 	self->vehicle_us = -1;
 	self->ask_us = TIME_NEVER_US;
 	for (size_t i = 0; i < MAVLINK_GIMBAL_DATA; i++) {
@@ -496,6 +497,7 @@ static const struct mavlink_message_row messages[] = {
 /* PING and TIMESYNC ask the device, which answers once: as the illuminator. */
 static const struct mavlink_receiver_row receivers[] = {
 	MAVLINK_COMMON_RECEIVERS,
+	MAVLINK_PARAM_RECEIVERS,
 	{.id = MAVLINK_MSG_ID_HEARTBEAT,
          .target_system_offset = MAVLINK_NO_TARGET,
          .target_component_offset = MAVLINK_NO_TARGET,
@@ -536,11 +538,38 @@ static uint8_t system_status(const void *service)
 	return self->device->gimbal.fault ? MAV_STATE_CRITICAL : MAV_STATE_ACTIVE;
 }
 
+static bool step(const struct mavlink_context *context)
+{
+	struct mavlink_gimbal *const self = context->component->service;
+
+	return mavlink_params_step(&self->params, context) && mavlink_gimbal_ask(context);
+}
+
+static int64_t deadline_us(const void *service)
+{
+	const struct mavlink_gimbal *const self = service;
+	const int64_t list_us = mavlink_params_deadline_us(&self->params);
+	const int64_t ask_us = mavlink_gimbal_ask_us(service);
+
+	return list_us < ask_us ? list_us : ask_us;
+}
+
+static struct mavlink_params *params(void *service)
+{
+	return &((struct mavlink_gimbal *)service)->params;
+}
+
+static void tell(const struct mavlink_context *context, const struct device_effects *effects)
+{
+	mavlink_params_tell(params(context->component->service), context, &effects->params);
+}
+
 #define COUNT(table) (sizeof(table) / sizeof((table)[0]))
 
 _Static_assert(COUNT(messages) <= MAVLINK_MESSAGES_MAX, "a stream for each message");
 
 const struct mavlink_profile mavlink_gimbal_profile = {
+	.capabilities = MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE,
 	.type = MAV_TYPE_GIMBAL,
 	.command_count = COUNT(commands),
 	.message_count = COUNT(messages),
@@ -549,6 +578,8 @@ const struct mavlink_profile mavlink_gimbal_profile = {
 	.messages = messages,
 	.receivers = receivers,
 	.system_status = system_status,
-	.step = mavlink_gimbal_ask,
-	.deadline_us = mavlink_gimbal_ask_us,
+	.step = step,
+	.deadline_us = deadline_us,
+	.params = params,
+	.tell = tell,
 };

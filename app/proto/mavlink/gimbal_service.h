@@ -34,6 +34,7 @@
 #include "core/device.h"
 #include "proto/mavlink/endpoint.h"
 #include "proto/mavlink/identity.h"
+#include "proto/mavlink/param_service.h"
 
 /* What the vehicle is asked for. */
 enum mavlink_gimbal_datum {
@@ -66,6 +67,7 @@ struct mavlink_mount_input {
 struct mavlink_gimbal {
 	struct pharos_device *device;
 	const struct mavlink_identity *identity;
+	struct mavlink_params params; /* the gimbal's */
 	struct mavlink_mount_input mount[GIMBAL_AXES];
 	struct mavlink_place vehicle; /* of its last GLOBAL_POSITION_INT */
 	struct mavlink_place target;

@@ -24,7 +24,7 @@ void mavlink_illuminator_init(struct mavlink_illuminator *self, struct pharos_de
 	self->device = device;
 	self->lamp = lamp;
 	self->identity = identity;
-	mavlink_params_init(&self->params, device);
+	mavlink_params_init(&self->params, device, MAVLINK_PARAMS_LIGHT);
 	mavlink_self_test_init(&self->self_test, device, lamp);
 #ifdef CONFIG_PHAROS_FTP
 	mavlink_ftp_init(&self->ftp, identity->files, &self->params);
@@ -357,29 +357,6 @@ static void heartbeat(const struct mavlink_context *context, const struct mavlin
 	}
 }
 
-static struct mavlink_params *params_of(const struct mavlink_context *context)
-{
-	return &((struct mavlink_illuminator *)context->component->service)->params;
-}
-
-static void param_request_read(const struct mavlink_context *context,
-                               const struct mavlink_frame *frame)
-{
-	mavlink_params_request_read(params_of(context), context, frame);
-}
-
-static void param_request_list(const struct mavlink_context *context,
-                               const struct mavlink_frame *frame)
-{
-	(void)frame;
-	mavlink_params_request_list(params_of(context), context);
-}
-
-static void param_set(const struct mavlink_context *context, const struct mavlink_frame *frame)
-{
-	mavlink_params_set(params_of(context), context, frame);
-}
-
 static const struct mavlink_receiver_row receivers[] = {
 	MAVLINK_COMMON_RECEIVERS,
 	{.id = MAVLINK_MSG_ID_COMMAND_CANCEL,
@@ -404,18 +381,7 @@ static const struct mavlink_receiver_row receivers[] = {
          .target_component_offset = offsetof(mavlink_file_transfer_protocol_t, target_component),
          .receive = file_transfer},
 #endif
-	{.id = MAVLINK_MSG_ID_PARAM_REQUEST_READ,
-         .target_system_offset = offsetof(mavlink_param_request_read_t, target_system),
-         .target_component_offset = offsetof(mavlink_param_request_read_t, target_component),
-         .receive = param_request_read},
-	{.id = MAVLINK_MSG_ID_PARAM_REQUEST_LIST,
-         .target_system_offset = offsetof(mavlink_param_request_list_t, target_system),
-         .target_component_offset = offsetof(mavlink_param_request_list_t, target_component),
-         .receive = param_request_list},
-	{.id = MAVLINK_MSG_ID_PARAM_SET,
-         .target_system_offset = offsetof(mavlink_param_set_t, target_system),
-         .target_component_offset = offsetof(mavlink_param_set_t, target_component),
-         .receive = param_set},
+	MAVLINK_PARAM_RECEIVERS,
 };
 
 static uint8_t system_status(const void *service)
@@ -444,6 +410,11 @@ static bool step(const struct mavlink_context *context)
 	}
 #endif
 	return mavlink_params_step(&self->params, context);
+}
+
+static struct mavlink_params *params(void *service)
+{
+	return &((struct mavlink_illuminator *)service)->params;
 }
 
 static int64_t deadline_us(const void *service)
@@ -488,5 +459,6 @@ const struct mavlink_profile mavlink_illuminator_profile = {
 	.system_status = system_status,
 	.step = step,
 	.deadline_us = deadline_us,
+	.params = params,
 	.tell = tell,
 };

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The illuminator as a MAVLink component: commands 405 and 406, messages 440, 396 and those that
- * every component has with the device's parameters and
- * files. Floats of commands 405 and 406 end here; the
- * core has integers.
+ * every component has, with the device's parameters, but for the gimbal's, and files. Floats of
+ * commands 405 and 406 end here; the core has integers.
  *
  * ILLUMINATOR_STATUS reports what was commanded. A float comes back exactly as 406 brought it, as
  * long as it is still what the core holds; after a change by someone else it is the core's value.

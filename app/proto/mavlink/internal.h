@@ -210,6 +210,24 @@ static inline int32_t mavlink_rounded(float value)
 		.receive = mavlink_command_int                                                     \
 	}
 
+/* Of a component that has parameters. */
+#define MAVLINK_PARAM_RECEIVERS                                                                    \
+	{.id = MAVLINK_MSG_ID_PARAM_REQUEST_READ,                                                  \
+	 .target_system_offset = offsetof(mavlink_param_request_read_t, target_system),            \
+	 .target_component_offset = offsetof(mavlink_param_request_read_t, target_component),      \
+	 .receive = mavlink_params_request_read},                                                  \
+		{.id = MAVLINK_MSG_ID_PARAM_REQUEST_LIST,                                          \
+	         .target_system_offset = offsetof(mavlink_param_request_list_t, target_system),    \
+	         .target_component_offset =                                                        \
+	                 offsetof(mavlink_param_request_list_t, target_component),                 \
+	         .receive = mavlink_params_request_list},                                          \
+	{                                                                                          \
+		.id = MAVLINK_MSG_ID_PARAM_SET,                                                    \
+		.target_system_offset = offsetof(mavlink_param_set_t, target_system),              \
+		.target_component_offset = offsetof(mavlink_param_set_t, target_component),        \
+		.receive = mavlink_params_set                                                      \
+	}
+
 /* The whole number in a float of the wire. false: NaN, infinite, not whole, or out of 0…max. */
 bool mavlink_whole(float wire, uint32_t max, uint32_t *whole);
 

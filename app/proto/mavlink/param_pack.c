@@ -2,6 +2,7 @@
 #include "proto/mavlink/param_pack.h"
 
 #include "core/param_units.h"
+#include "proto/mavlink/param_service.h"
 
 #include <string.h>
 
@@ -26,7 +27,8 @@ struct param_set mavlink_param_pack_outdated(const struct mavlink_param_pack *se
 	struct param_set outdated = {0};
 
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
-		if (self->values[i] != params->values[i]) {
+		if (mavlink_params_is(MAVLINK_PARAMS_LIGHT, i) &&
+		    self->values[i] != params->values[i]) {
 			param_set_add(&outdated, i);
 		}
 	}
@@ -90,14 +92,17 @@ static void put_param(struct window *window, const char *before, uint32_t index,
 static uint32_t pass(const struct mavlink_param_pack *self, bool with_defaults,
                      struct window *window)
 {
+	const uint16_t count = mavlink_params_count(MAVLINK_PARAMS_LIGHT);
 	const char *before = "";
 
 	put(window, with_defaults ? MAGIC_WITH_DEFAULTS : MAGIC, 2);
-	put(window, PARAM_COUNT, 2);
-	put(window, PARAM_COUNT, 2);
+	put(window, count, 2);
+	put(window, count, 2);
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
-		put_param(window, before, i, self->values[i], with_defaults);
-		before = params_info(i)->name;
+		if (mavlink_params_is(MAVLINK_PARAMS_LIGHT, i)) {
+			put_param(window, before, i, self->values[i], with_defaults);
+			before = params_info(i)->name;
+		}
 	}
 	return window->at;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * All parameters in one file, as ArduPilot packs them: ground stations read "@PARAM/param.pck" over
- * MAVLink FTP instead of asking for a list.
+ * The illuminator's parameters in one file, as ArduPilot packs them: ground stations read
+ * "@PARAM/param.pck" over MAVLink FTP instead of asking for a list.
  *
  *   u16 0x671B, or 0x671C with defaults; u16 parameters in the file; u16 parameters in all
  *   of each: u8 type, and 0x10 when its default follows the value
@@ -24,7 +24,7 @@ struct mavlink_param_pack {
 	int32_t values[PARAM_COUNT];
 };
 
-/* The values of now. */
+/* The values of now: those that the illuminator lists over MAVLink (param_service.h). */
 void mavlink_param_pack_take(struct mavlink_param_pack *self, const struct params *params);
 
 /* Those that have another value by now. */

@@ -14,15 +14,6 @@ _Static_assert(NAME_BYTES == PARAMS_NAME_MAX, "a name fits its field");
 _Static_assert(sizeof(((mavlink_param_value_t *)0)->param_id) == NAME_BYTES, "common.xml");
 _Static_assert(PARAM_COUNT <= INT16_MAX, "an index fits its field");
 
-void mavlink_params_init(struct mavlink_params *self, struct pharos_device *device)
-{
-	*self = (struct mavlink_params){
-		.device = device,
-		.due_us = TIME_NEVER_US,
-		.answered = PARAM_COUNT,
-	};
-}
-
 static size_t name_length(const char *name)
 {
 	size_t length = 0;
@@ -31,6 +22,72 @@ static size_t name_length(const char *name)
 		length++;
 	}
 	return length;
+}
+
+/* --- whose ------------------------------------------------------------------------------------ */
+
+bool mavlink_params_is(enum mavlink_params_share share, uint32_t index)
+{
+	bool is_gimbals = params_info(index)->group == PARAM_GROUP_GIMBAL;
+
+#ifdef CONFIG_PHAROS_GIMBAL
+	is_gimbals = is_gimbals && index != PARAM_GMB_ENABLE && index != PARAM_GMB_COMPID;
+#endif
+	return is_gimbals == (share == MAVLINK_PARAMS_GIMBAL);
+}
+
+/* How many of the share come before the parameter. */
+static uint16_t place_of(enum mavlink_params_share share, uint32_t index)
+{
+	uint16_t place = 0;
+
+	for (uint32_t i = 0; i < index; i++) {
+		if (mavlink_params_is(share, i)) {
+			place++;
+		}
+	}
+	return place;
+}
+
+uint16_t mavlink_params_count(enum mavlink_params_share share)
+{
+	return place_of(share, PARAM_COUNT);
+}
+
+/* PARAM_COUNT: the share ends before that place. */
+static uint32_t at_place(enum mavlink_params_share share, uint32_t place)
+{
+	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+		if (mavlink_params_is(share, i) && place-- == 0) {
+			return i;
+		}
+	}
+	return PARAM_COUNT;
+}
+
+/* PARAM_COUNT: none of that name is in the share. */
+static uint32_t find(const struct mavlink_params *self, const char *name)
+{
+	const uint32_t index = params_find(name, name_length(name));
+
+	return index < PARAM_COUNT && mavlink_params_is(self->share, index) ? index
+	                                                                    : (uint32_t)PARAM_COUNT;
+}
+
+static struct mavlink_params *params_of(const struct mavlink_context *context)
+{
+	return context->component->profile->params(context->component->service);
+}
+
+void mavlink_params_init(struct mavlink_params *self, struct pharos_device *device,
+                         enum mavlink_params_share share)
+{
+	*self = (struct mavlink_params){
+		.device = device,
+		.share = share,
+		.due_us = TIME_NEVER_US,
+		.answered = PARAM_COUNT,
+	};
 }
 
 /* --- answers --------------------------------------------------------------------------------- */
@@ -43,8 +100,8 @@ static void fill_value(const struct mavlink_params *self, uint32_t index,
 
 	memset(wire, 0, sizeof(*wire));
 	memcpy(&wire->param_value, &real, sizeof(wire->param_value));
-	wire->param_count = PARAM_COUNT;
-	wire->param_index = (uint16_t)index;
+	wire->param_count = mavlink_params_count(self->share);
+	wire->param_index = place_of(self->share, index);
 	memcpy(wire->param_id, info->name, name_length(info->name));
 	wire->param_type = MAV_PARAM_TYPE_REAL32;
 }
@@ -90,16 +147,17 @@ static void refuse_unknown(struct mavlink_params *self, const struct mavlink_con
 
 /* --- requests -------------------------------------------------------------------------------- */
 
-void mavlink_params_request_read(struct mavlink_params *self, const struct mavlink_context *context,
+void mavlink_params_request_read(const struct mavlink_context *context,
                                  const struct mavlink_frame *frame)
 {
+	struct mavlink_params *const self = params_of(context);
 	mavlink_param_request_read_t wire;
 
 	mavlink_frame_payload(frame, &wire, sizeof(wire));
 
 	const bool by_name = wire.param_index == BY_NAME;
-	const uint32_t index = by_name ? params_find(wire.param_id, name_length(wire.param_id))
-	                               : (uint32_t)(uint16_t)wire.param_index;
+	const uint32_t index = by_name ? find(self, wire.param_id)
+	                               : at_place(self->share, (uint16_t)wire.param_index);
 
 	if (index < PARAM_COUNT) {
 		answer(self, context, index);
@@ -115,10 +173,16 @@ static void wake(struct mavlink_params *self, int64_t now_us)
 	self->due_us = now_us < self->due_us ? now_us : self->due_us;
 }
 
-void mavlink_params_request_list(struct mavlink_params *self, const struct mavlink_context *context)
+void mavlink_params_request_list(const struct mavlink_context *context,
+                                 const struct mavlink_frame *frame)
 {
+	struct mavlink_params *const self = params_of(context);
+
+	(void)frame;
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
-		param_set_add(&self->waiting[context->link], i);
+		if (mavlink_params_is(self->share, i)) {
+			param_set_add(&self->waiting[context->link], i);
+		}
 	}
 	wake(self, context->now_us);
 }
@@ -204,16 +268,16 @@ static uint8_t set(struct mavlink_params *self, const struct mavlink_context *co
 	return error_of(result);
 }
 
-void mavlink_params_set(struct mavlink_params *self, const struct mavlink_context *context,
-                        const struct mavlink_frame *frame)
+void mavlink_params_set(const struct mavlink_context *context, const struct mavlink_frame *frame)
 {
+	struct mavlink_params *const self = params_of(context);
 	mavlink_param_set_t wire;
 	int32_t value;
 
 	mavlink_frame_payload(frame, &wire, sizeof(wire));
 	self->stats.sets++;
 
-	const uint32_t index = params_find(wire.param_id, name_length(wire.param_id));
+	const uint32_t index = find(self, wire.param_id);
 	uint8_t error;
 
 	if (index == PARAM_COUNT) {
@@ -237,12 +301,19 @@ void mavlink_params_set(struct mavlink_params *self, const struct mavlink_contex
 void mavlink_params_changed(struct mavlink_params *self, int64_t now_us, uint8_t links,
                             const struct param_set *changed)
 {
-	if (param_set_is_empty(changed)) {
+	struct param_set own = *changed;
+
+	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+		if (!mavlink_params_is(self->share, i)) {
+			param_set_remove(&own, i);
+		}
+	}
+	if (param_set_is_empty(&own)) {
 		return;
 	}
 	for (uint8_t link = 0; link < MAVLINK_LINKS_MAX; link++) {
 		if ((links & 1u << link) != 0) {
-			param_set_merge(&self->waiting[link], changed);
+			param_set_merge(&self->waiting[link], &own);
 		}
 	}
 	wake(self, now_us);

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The device's parameters over MAVLink: PARAM_REQUEST_READ by index and by name,
- * PARAM_REQUEST_LIST, PARAM_SET. One component of the device serves the whole table: ground
- * stations show parameters by component, and would show two tables otherwise.
+ * PARAM_REQUEST_LIST, PARAM_SET. Ground stations keep parameters by component, and ask each that
+ * they hear until it has told some. So the table is shared out, and each share is a list of its
+ * own, with its own indices: the gimbal's component has the gimbal's group, the illuminator all
+ * else, and with it what decides whether there is a gimbal, GMB_ENABLE and GMB_COMPID.
  *
  * Every value is a REAL32 of the parameter's unit, which is the one type that every ground station
  * reads alike; integers bytewise are read so beside one autopilot only. A set is taken from REAL32,
@@ -14,9 +16,9 @@
  * does not exist is answered by a PARAM_ERROR alone, and only when the component itself was asked:
  * what is for every component may be another's.
  *
- * A link has a set of values yet to be sent, bulk by mavlink_send_bulk. A list puts all into it; so
- * several lists at a time are one, and a value is the one in force when it goes. Changes by others
- * come to it as well, so that ground stations stay up to date.
+ * Of each component, a link has a set of values yet to be sent, bulk by mavlink_send_bulk. A list
+ * puts all into it; so several lists at a time are one, and a value is the one in force when it
+ * goes. Changes by others come to it as well, so that ground stations stay up to date.
  *
  * Context: the endpoint's. Spec: mavlink.io/en/services/parameter.html; common.xml 20…23, 345.
  */
@@ -32,28 +34,40 @@ struct mavlink_params_stats {
 	uint32_t unknown; /* reads and sets of what does not exist */
 };
 
+enum mavlink_params_share {
+	MAVLINK_PARAMS_LIGHT,
+	MAVLINK_PARAMS_GIMBAL,
+};
+
+/* Is the parameter (asserted to be one) in the share? Each is in one. */
+bool mavlink_params_is(enum mavlink_params_share share, uint32_t index);
+
+/* How many are. */
+uint16_t mavlink_params_count(enum mavlink_params_share share);
+
 struct mavlink_params {
 	struct pharos_device *device;
+	enum mavlink_params_share share;
 	int64_t due_us;
 	uint32_t answered; /* a change that a link's answer has told; PARAM_COUNT: none */
 	uint8_t answered_link;
 	struct param_set waiting[MAVLINK_LINKS_MAX];
-	uint32_t next[MAVLINK_LINKS_MAX]; /* index to look from */
+	uint32_t next[MAVLINK_LINKS_MAX]; /* parameter to look from */
 	struct mavlink_params_stats stats;
 };
 
 /* device outlives the service. */
-void mavlink_params_init(struct mavlink_params *self, struct pharos_device *device);
+void mavlink_params_init(struct mavlink_params *self, struct pharos_device *device,
+                         enum mavlink_params_share share);
 
-/* Receivers of 20, 21 and 23, addressed to the context's component. */
-void mavlink_params_request_read(struct mavlink_params *self, const struct mavlink_context *context,
+/* Receivers of 20, 21 and 23 for a component whose profile has params. */
+void mavlink_params_request_read(const struct mavlink_context *context,
                                  const struct mavlink_frame *frame);
-void mavlink_params_request_list(struct mavlink_params *self,
-                                 const struct mavlink_context *context);
-void mavlink_params_set(struct mavlink_params *self, const struct mavlink_context *context,
-                        const struct mavlink_frame *frame);
+void mavlink_params_request_list(const struct mavlink_context *context,
+                                 const struct mavlink_frame *frame);
+void mavlink_params_set(const struct mavlink_context *context, const struct mavlink_frame *frame);
 
-/* These are to be told on the links (bit per link). */
+/* Those of these that are its own are to be told on the links (bit per link). */
 void mavlink_params_changed(struct mavlink_params *self, int64_t now_us, uint8_t links,
                             const struct param_set *changed);
 

@@ -22,7 +22,8 @@ ZTEST_SUITE(mavlink_param_pack, NULL, NULL, before, NULL, NULL);
  * Values are binary32: 1.0 is 0x3F800000, 0.01 is 0x3C23D70A. */
 ZTEST(mavlink_param_pack, test_head_and_first_entries)
 {
-	static const uint8_t head[] = {0x1C, 0x67, PARAM_COUNT, 0, PARAM_COUNT, 0};
+	/* but for the 20 of the gimbal's component */
+	static const uint8_t head[] = {0x1C, 0x67, PARAM_COUNT - 20, 0, PARAM_COUNT - 20, 0};
 	static const uint8_t curve[] = "\x04\x80LGT_CURVE\0\0\x80\x3F";       /* 9 letters */
 	static const uint8_t restore[] = "\x14\x64RESTORE\0\0\x80\x3F\0\0\0"; /* 4 and 7 */
 	static const uint8_t shortest[] = "\x04\x70STRB_MIN\x0A\xD7\x23\x3C"; /* 0.01 */
@@ -87,4 +88,15 @@ ZTEST(mavlink_param_pack, test_what_has_changed_since_is_outdated)
 	outdated = mavlink_param_pack_outdated(&pack, &params);
 	zassert_equal(param_set_take(&outdated), PARAM_LGT_CURVE);
 	zassert_true(param_set_is_empty(&outdated));
+}
+
+/* It is the illuminator's. */
+ZTEST(mavlink_param_pack, test_the_gimbals_parameters_are_not_in_it)
+{
+	const struct param_set none = {0};
+	struct param_set outdated;
+
+	params.values[PARAM_GMB_PAN_MIN] -= 1000;
+	outdated = mavlink_param_pack_outdated(&pack, &params);
+	zassert_mem_equal(&outdated, &none, sizeof(none));
 }

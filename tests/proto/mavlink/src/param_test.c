@@ -2,6 +2,8 @@
 /* Parameters: reads, lists and their pace, sets of every kind, what others change. */
 #include "fixture.h"
 
+#include "proto/mavlink/gimbal_service.h"
+
 #include "vectors/mavlink_frames.h"
 
 ZTEST_SUITE(mavlink_param, NULL, NULL, fixture_before, NULL, NULL);
@@ -10,6 +12,10 @@ ZTEST_SUITE(mavlink_param, NULL, NULL, fixture_before, NULL, NULL);
 #define VALUE_BYTES   37
 /* 45 % of 57600 baud (10 bits a byte): 37 bytes take 14 274 us. */
 #define VALUE_TIME_US 14274
+
+/* The gimbal's component has all of GMB_ but GMB_ENABLE and GMB_COMPID. */
+#define GIMBALS_COUNT 20
+#define COUNT         (PARAM_COUNT - GIMBALS_COUNT)
 
 static void set_typed(uint8_t link, const char *name, const void *bytes, uint8_t type,
                       uint8_t component)
@@ -43,21 +49,56 @@ static void ask_list(uint8_t link)
 	receive(link, PARAM_LIST, sizeof(PARAM_LIST));
 }
 
+static bool is_gimbals(uint32_t index)
+{
+	const char *const name = params_info(index)->name;
+
+	return strncmp(name, "GMB_", 4) == 0 && strcmp(name, "GMB_ENABLE") != 0 &&
+	       strcmp(name, "GMB_COMPID") != 0;
+}
+
+/* Among those of the same component. */
+static uint16_t place_of(uint32_t index)
+{
+	uint16_t place = 0;
+
+	for (uint32_t i = 0; i < index; i++) {
+		if (is_gimbals(i) == is_gimbals(index)) {
+			place++;
+		}
+	}
+	return place;
+}
+
+/* Frame i is a PARAM_VALUE, of the component that has the parameter. Which it is. */
+static uint32_t sent_value(uint16_t i, mavlink_param_value_t *wire)
+{
+	const struct mavlink_frame frame = sent(i);
+	char name[17] = {0};
+	uint32_t index;
+
+	zassert_equal(frame.message_id, 22);
+	mavlink_frame_payload(&frame, wire, sizeof(*wire));
+	memcpy(name, wire->param_id, 16);
+	index = params_find(name, strlen(name));
+	zassert_true(index < PARAM_COUNT, "%s", name);
+	zassert_equal(frame.component_id, is_gimbals(index) ? 154 : 243);
+	return index;
+}
+
 /* Frame i is a PARAM_VALUE of that parameter on that link, complete, a REAL32 in its unit. */
 static void assert_value(uint16_t i, uint8_t link, uint32_t index, float value)
 {
 	mavlink_param_value_t wire;
-	char name[17] = {0};
+	const char *const name = params_info(index)->name;
 
-	sent_payload(i, 22, &wire, sizeof(wire));
-	memcpy(name, wire.param_id, 16);
+	zassert_equal(sent_value(i, &wire), index, "%.16s", wire.param_id);
 	zassert_equal(out.frames[i].link, link);
-	zassert_equal(wire.param_index, index, "index %u", wire.param_index);
+	zassert_equal(wire.param_index, place_of(index), "index %u", wire.param_index);
 	zassert_equal(wire.param_value, value, "%s is %g, not %g", name, (double)wire.param_value,
 	              (double)value);
 	zassert_equal(wire.param_type, 9); /* MAV_PARAM_TYPE_REAL32 */
-	zassert_equal(wire.param_count, PARAM_COUNT);
-	zassert_equal(strcmp(name, params_info(index)->name), 0, "%s", name);
+	zassert_equal(wire.param_count, is_gimbals(index) ? GIMBALS_COUNT : COUNT);
 }
 
 static void assert_error(uint16_t i, const char *name, int16_t index, uint8_t error)
@@ -74,6 +115,14 @@ static void assert_error(uint16_t i, const char *name, int16_t index, uint8_t er
 	zassert_equal(wire.target_component, 190);
 }
 
+static void add_gimbal(void)
+{
+	static struct mavlink_gimbal gimbal;
+
+	mavlink_gimbal_init(&gimbal, &device, service.identity);
+	mavlink_endpoint_add(&endpoint, now_us, 154, &mavlink_gimbal_profile, &gimbal);
+}
+
 static float natural(uint32_t index)
 {
 	static const double scales[] = {1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6};
@@ -83,11 +132,14 @@ static float natural(uint32_t index)
 
 ZTEST(mavlink_param, test_every_parameter_reads_by_index_and_by_name)
 {
+	add_gimbal();
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
-		ask(0, "", (int16_t)i, 243);
+		const uint8_t component = is_gimbals(i) ? 154 : 243;
+
+		ask(0, "", (int16_t)place_of(i), component);
 		zassert_equal(out.count, 1);
 		assert_value(0, 0, i, natural(i));
-		ask(1, params_info(i)->name, -1, 243);
+		ask(1, params_info(i)->name, -1, component);
 		zassert_equal(out.count, 1);
 		assert_value(0, 1, i, natural(i));
 	}
@@ -104,8 +156,8 @@ ZTEST(mavlink_param, test_what_does_not_exist_is_refused_by_the_one_that_was_ask
 	receive(0, PARAM_READ_UNKNOWN, sizeof(PARAM_READ_UNKNOWN));
 	zassert_equal(out.count, 1);
 	assert_sent(0, 0, PARAM_ERROR_UNKNOWN, sizeof(PARAM_ERROR_UNKNOWN));
-	ask(0, "", PARAM_COUNT, 243);
-	assert_error(0, "", PARAM_COUNT, 1);
+	ask(0, "", COUNT, 243);
+	assert_error(0, "", COUNT, 1);
 	ask(0, "", -2, 243);
 	assert_error(0, "", -2, 1);
 	set(0, "NONE", 1);
@@ -289,14 +341,14 @@ struct listing {
 static void note(struct listing *listing, uint16_t i)
 {
 	mavlink_param_value_t wire;
+	const uint32_t index = sent_value(i, &wire);
 
-	sent_payload(i, 22, &wire, sizeof(wire));
 	zassert_equal(out.frames[i].length, VALUE_BYTES);
 	listing->first_us = listing->total == 0 ? now_us : listing->first_us;
 	listing->last_us = now_us;
 	listing->total++;
-	listing->seen[wire.param_index]++;
-	listing->last_value[wire.param_index] = wire.param_value;
+	listing->seen[index]++;
+	listing->last_value[index] = wire.param_value;
 }
 
 /* Until then; the values that went out, per link. */
@@ -319,8 +371,8 @@ static void run_lists(int64_t until_us, struct listing listings[2])
 static void assert_complete(const struct listing *listing, uint32_t times)
 {
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
-		zassert_equal(listing->seen[i], times, "%s: %u times", params_info(i)->name,
-		              listing->seen[i]);
+		zassert_equal(listing->seen[i], is_gimbals(i) ? 0 : times, "%s: %u times",
+		              params_info(i)->name, listing->seen[i]);
 	}
 }
 
@@ -335,7 +387,60 @@ ZTEST(mavlink_param, test_a_list_is_paced_at_45_percent_of_57600_baud)
 	assert_complete(&listings[0], 1);
 	zassert_equal(listings[1].total, 0);
 	zassert_equal(listings[0].first_us, 0);
-	zassert_equal(listings[0].last_us, (int64_t)(PARAM_COUNT - 1) * VALUE_TIME_US);
+	zassert_equal(listings[0].last_us, (int64_t)(COUNT - 1) * VALUE_TIME_US);
+}
+
+/* A ground station without a target asks everyone; each list is complete in itself. */
+ZTEST(mavlink_param, test_both_components_list_what_is_theirs)
+{
+	static const struct mavlink_kind kind = MAVLINK_KIND(PARAM_REQUEST_LIST);
+	const mavlink_param_request_list_t everyone = {0};
+	const mavlink_param_request_list_t gimbal = {.target_system = 1, .target_component = 154};
+	struct listing listings[2] = {0};
+
+	add_gimbal();
+	run_lists(0, listings);
+	receive_message(0, &kind, &everyone);
+	receive_message(1, &kind, &gimbal);
+	run_lists(10 * SECOND, listings);
+	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
+		zassert_equal(listings[0].seen[i], 1);
+		zassert_equal(listings[1].seen[i], is_gimbals(i) ? 1 : 0);
+	}
+	zassert_equal(listings[0].total, PARAM_COUNT);
+	zassert_equal(listings[1].last_us, (int64_t)(GIMBALS_COUNT - 1) * VALUE_TIME_US);
+}
+
+ZTEST(mavlink_param, test_a_parameter_is_set_where_it_is)
+{
+	const float angle = -60.5f;
+	struct listing listings[2] = {0};
+
+	add_gimbal();
+	run_lists(0, listings);
+	set_typed(0, "GMB_PAN_MIN", &angle, 9, 243); /* it is not there */
+	zassert_equal(out.count, 1);
+	assert_error(0, "GMB_PAN_MIN", -1, 1);
+	ask(0, "GMB_PAN_MIN", -1, 243);
+	assert_error(0, "GMB_PAN_MIN", -1, 1);
+	set_typed(0, "GMB_PAN_MIN", &angle, 9, 154);
+	zassert_equal(out.count, 1);
+	assert_value(0, 0, PARAM_GMB_PAN_MIN, -60.5f);
+	zassert_equal(sent(0).component_id, 154);
+	zassert_equal(device_params->values[PARAM_GMB_PAN_MIN], -60500);
+	/* on the other link the one that has it tells of it, once */
+	run_lists(SECOND / 2, listings);
+	zassert_equal(listings[0].total, 0);
+	zassert_equal(listings[1].total, 1);
+	zassert_equal(listings[1].last_value[PARAM_GMB_PAN_MIN], -60.5f);
+	/* whether there is a gimbal, the light says */
+	ask(0, "GMB_ENABLE", -1, 154);
+	zassert_equal(out.count, 1);
+	zassert_equal(sent(0).message_id, 345);
+	zassert_equal(sent(0).component_id, 154);
+	ask(0, "GMB_ENABLE", -1, 0);
+	zassert_equal(out.count, 1);
+	zassert_equal(sent(0).component_id, 243);
 }
 
 ZTEST(mavlink_param, test_a_faster_link_lists_faster)
@@ -347,18 +452,18 @@ ZTEST(mavlink_param, test_a_faster_link_lists_faster)
 	ask_list(0);
 	run_lists(10 * SECOND, listings);
 	assert_complete(&listings[0], 1);
-	zassert_equal(listings[0].last_us, (int64_t)(PARAM_COUNT - 1) * (VALUE_TIME_US / 10));
+	zassert_equal(listings[0].last_us, (int64_t)(COUNT - 1) * (VALUE_TIME_US / 10));
 }
 
 ZTEST(mavlink_param, test_a_late_step_does_not_slow_the_list)
 {
 	run_until(0);
 	ask_list(0);
-	for (int64_t i = 0; i < PARAM_COUNT; i++) {
+	for (int64_t i = 0; i < COUNT; i++) {
 		zassert_equal(mavlink_endpoint_deadline_us(&endpoint), i * VALUE_TIME_US);
 		mavlink_endpoint_step(&endpoint, i * VALUE_TIME_US + 1000, &out);
 	}
-	zassert_equal(endpoint.links[0].bulk_us, PARAM_COUNT * VALUE_TIME_US);
+	zassert_equal(endpoint.links[0].bulk_us, COUNT * VALUE_TIME_US);
 }
 
 ZTEST(mavlink_param, test_lists_on_two_links_go_at_the_same_time)
@@ -371,7 +476,7 @@ ZTEST(mavlink_param, test_lists_on_two_links_go_at_the_same_time)
 	run_lists(10 * SECOND, listings);
 	for (int link = 0; link < 2; link++) {
 		assert_complete(&listings[link], 1);
-		zassert_equal(listings[link].last_us, (int64_t)(PARAM_COUNT - 1) * VALUE_TIME_US);
+		zassert_equal(listings[link].last_us, (int64_t)(COUNT - 1) * VALUE_TIME_US);
 	}
 }
 
@@ -384,14 +489,16 @@ ZTEST(mavlink_param, test_a_second_request_lists_everything_again_and_holds_noth
 	/* an impatient client asks ten times in the time of one list */
 	for (int i = 0; i < 10; i++) {
 		ask_list(0);
-		run_lists((i + 1) * (int64_t)PARAM_COUNT * VALUE_TIME_US / 10, listings);
+		run_lists((i + 1) * (int64_t)COUNT * VALUE_TIME_US / 10, listings);
 	}
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
-		rarest = listings[0].seen[i] < rarest ? listings[0].seen[i] : rarest;
+		if (!is_gimbals(i) && listings[0].seen[i] < rarest) {
+			rarest = listings[0].seen[i];
+		}
 	}
 	zassert_true(rarest >= 1, "a parameter never came");
 	run_lists(20 * SECOND, listings);
-	zassert_true(listings[0].total <= 2 * PARAM_COUNT);
+	zassert_true(listings[0].total <= 2 * COUNT);
 }
 
 ZTEST(mavlink_param, test_a_set_during_a_list_shows_in_what_is_still_to_come)
