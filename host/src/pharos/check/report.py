@@ -90,32 +90,52 @@ PAGE = """\
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>pharos check: {{ maker or link }}</title>
 <style>
-:root { color-scheme: light dark; --line: #8884; --good: #2a7f3f; --bad: #c2362b; --weak: #b07400; }
-body { font: 15px/1.45 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto;
-  padding: 0 1rem; }
+:root { color-scheme: light dark; --line: #8884; --good: #2a7f3f; --bad: #c2362b; --weak: #a06800;
+  --link: #2058b0; }
+@media (prefers-color-scheme: dark) {
+  :root { --good: #63c27c; --bad: #ff8577; --weak: #e0a63c; --link: #8ab4f8; }
+}
+body { font: 15px/1.45 system-ui, sans-serif; max-width: 60rem; margin: 1.5rem auto;
+  padding: 0 1rem; overflow-wrap: anywhere; }
 h1 { font-size: 1.5rem; margin: 0; } h2 { font-size: 1.1rem; margin: 2rem 0 .5rem; }
+p { margin: .4rem 0; } a { color: var(--link); text-decoration: none; }
+a:hover { text-decoration: underline; } small { opacity: .7; }
 .verdict { font-weight: 600; } .passed { color: var(--good); } .broken { color: var(--bad); }
 .weak { color: var(--weak); } .none { opacity: .6; }
-table { border-collapse: collapse; width: 100%; }
-td { border-top: 1px solid var(--line); padding: .35rem .5rem; vertical-align: top; }
-td:first-child, td:nth-child(2) { white-space: nowrap; }
-pre { font-size: 12px; overflow-x: auto; margin: .4rem 0; } summary { cursor: pointer; }
-.seen { font-weight: 600; }
+table { border-collapse: collapse; width: 100%; table-layout: fixed; }
+td { border-top: 1px solid var(--line); padding: .35rem .25rem; vertical-align: top; }
+td:first-child { width: 4.2rem; } td:first-child small { display: block; }
+td:last-child { width: 5.6rem; text-align: right; }
+tr:target { background: var(--line); }
+pre { font-size: 12px; line-height: 1.35; white-space: pre-wrap; margin: .4rem 0; }
+pre span { display: block; padding-left: 12ch; text-indent: -12ch; }
+summary { cursor: pointer; } details > *, .seen { padding-left: 1rem; }
+summary { padding: 0; } .seen { font-weight: 600; }
+@media (max-width: 40rem) {
+  tr { display: grid; grid-template: auto 1fr / 4.6rem 1fr; border-top: 1px solid var(--line); }
+  td, td:first-child, td:last-child { border: 0; width: auto; text-align: left; }
+  td:nth-child(2) { grid-row: span 2; }
+  td:last-child { padding-top: 0; font-size: 13px; }
+  details > *, .seen { padding-left: 0; }
+  pre { font-size: 11px; } pre span { padding-left: 2ch; text-indent: -2ch; }
+}
 </style>
 <h1>{{ maker or "A light" }}</h1>
-<p>{{ target }} at {{ link }}, {{ time }}</p>
+<p><small>{{ target }} at {{ link }}, {{ time }}</small></p>
 <p class="verdict {{ "passed" if passed else "broken" }}">{{ summary }}</p>
 {% if left %}<p class="verdict broken">{{ left }}</p>{% endif %}
+{% if failed %}<p>{% for r in failed %}<a class="{{ r.class }}" href="#{{ r.id }}">{{ r.id }}</a>{{
+" " }}{% endfor %}</p>{% endif %}
 {% for title, results in groups %}
 <h2>{{ title }}</h2>
 <table>
 {% for r in results %}
-<tr><td><a href="{{ r.url }}">{{ r.id }}</a></td><td>{{ r.level }}</td>
+<tr id="{{ r.id }}"><td><a href="{{ r.url }}">{{ r.id }}</a><small>{{ r.level }}</small></td>
 <td><details{% if r.outcome == "failed" %} open{% endif %}><summary>{{ r.title }}</summary>
-<p>{{ r.explanation }}</p><p>{{ r.clause }}</p>
-{% if r.log %}<pre>{% for line in r.log %}{{ line }}
-{% endfor %}</pre>{% endif %}</details>
-{% if r.seen %}<span class="seen">{{ r.seen }}</span>{% endif %}</td>
+<p>{{ r.explanation }}</p><p><a href="{{ r.url }}">{{ r.clause }}</a></p>
+{% if r.log %}<pre>{% for line in r.log %}<span>{{ line }}</span>{% endfor %}</pre>{% endif %}
+</details>
+{% if r.seen %}<p class="seen {{ r.class }}">{{ r.seen }}</p>{% endif %}</td>
 <td class="{{ r.class }}">{{ r.outcome }}</td></tr>
 {% endfor %}
 </table>
@@ -140,6 +160,7 @@ def as_html(report: Report) -> str:
         passed=report.passed,
         summary=report.summary(),
         left=printable(report.left),
+        failed=[_row(r) for r in report.results if r.outcome == FAILED],
         groups=groups,
     )
 
