@@ -17,7 +17,7 @@ from . import signing  # isort: skip
 from . import optics  # isort: skip
 from .report import as_html, as_junit, as_object, as_page
 from .run import Report, Result, check, find, selected
-from .spec import REQUIREMENTS, Level, Requirement
+from .spec import REQUIREMENTS, Level, Requirement, requirements_of
 
 __all__ = [
     "REQUIREMENTS",
@@ -41,6 +41,7 @@ __all__ = [
     "optics",
     "parameters",
     "presence",
+    "requirements_of",
     "selected",
     "signing",
 ]

@@ -11,7 +11,7 @@ from jinja2 import Environment
 
 from ..text import printable
 from .run import FAILED, NOT_RUN, SKIPPED, Report, Result
-from .spec import GROUPS, REQUIREMENTS, Level
+from .spec import GROUPS, PROFILES, Level, Requirement, requirements_of
 
 
 def as_fields(result: Result) -> dict[str, Any]:
@@ -32,8 +32,9 @@ def as_fields(result: Result) -> dict[str, Any]:
 def as_object(report: Report) -> dict[str, Any]:
     return {
         "link": report.link,
-        "system": report.target.system,
-        "component": report.target.component,
+        "device": report.device,
+        "system": report.target.system if report.target else None,
+        "component": report.target.component if report.target else None,
         "maker": report.maker,
         "time": when(report),
         "passed": report.passed,
@@ -155,7 +156,7 @@ def as_html(report: Report) -> str:
     return page.render(
         maker=printable(report.maker),
         link=printable(report.link),
-        target=f"component {report.target.system}/{report.target.component}",
+        target=report.device,
         time=when(report),
         passed=report.passed,
         summary=report.summary(),
@@ -181,25 +182,40 @@ def _row(result: Result) -> dict[str, Any]:
 
 def as_page() -> str:
     """The requirements as a page of the documentation."""
-    counts = [sum(r.level == level for r in REQUIREMENTS) for level in Level]
+    mavlink, dronecan, imc = (requirements_of(name) for name in PROFILES)
     lines = [
         "# What `pharos check` asks of a light",
         "",
-        "Made from the code by `pharos check --list --markdown`. "
-        f"{counts[0]} musts, {counts[1]} shoulds, {counts[2]} may.",
+        f"Made from the code by `pharos check --list --markdown`. {_counted(mavlink)}.",
         "",
         "The requirements are those of the MAVLink guide and of common.xml, for an illuminator of",
         "any maker; the clause is linked. A light passes if no must fails. What it does not offer",
         "(parameters, files, a gimbal, a key) is not asked of it. While it is looked at, the lamp",
         "is on at 5 % at most, and in the end it is off, with its settings as they were; no",
         "parameter, file or key is changed.",
+        "",
+        "Two more profiles are at the end: `--profile dronecan`, which asks of a node what the",
+        f"DroneCAN specification says ({_counted(dronecan)}), and `--profile imc`",
+        f"({_counted(imc)}). How a light is commanded is no standard in either, but for a",
+        "hardpoint and an LED of a name; they are off in the end.",
     ]
-    for prefix, title in GROUPS.items():
-        lines += ["", f"## {title}", "", "| | | the light … | what is sent and looked at |"]
-        lines += ["|---|---|---|---|"]
-        for r in REQUIREMENTS:
-            if r.group == prefix:
-                why = " ".join(r.explanation.split()).replace("|", "\\|")
-                clause = f"[{r.clause}]({r.url})"
-                lines.append(f"| {r.id} | {r.level.value} | {r.title} | {why} {clause} |")
+    for rows in (mavlink, dronecan, imc):
+        for prefix in dict.fromkeys(r.group for r in rows):
+            lines += _table(prefix, [r for r in rows if r.group == prefix])
     return "\n".join(lines) + "\n"
+
+
+def _counted(rows: list[Requirement]) -> str:
+    counts = {level.value: sum(r.level == level for r in rows) for level in Level}
+    shown = ((f"{n} {name}{'s' if n > 1 else ''}") for name, n in counts.items() if n)
+    return ", ".join(shown)
+
+
+def _table(prefix: str, rows: list[Requirement]) -> list[str]:
+    lines = ["", f"## {GROUPS[prefix]}", "", "| | | the light … | what is sent and looked at |"]
+    lines += ["|---|---|---|---|"]
+    for r in rows:
+        why = " ".join(r.explanation.split()).replace("|", "\\|")
+        clause = f"[{r.clause}]({r.url})"
+        lines.append(f"| {r.id} | {r.level.value} | {r.title} | {why} {clause} |")
+    return lines

@@ -7,6 +7,7 @@ import fnmatch
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import Any, Protocol
 
 from ..connection import MavlinkConnection, Target
 from ..errors import PharosError, UsageError
@@ -41,7 +42,8 @@ class Report:
     """What came of it. `left`: what could not be put back as it was."""
 
     link: str
-    target: Target
+    target: Target | None = None
+    device: str = ""  # whom it addresses, for people
     maker: str = ""
     started: float = field(default_factory=time.time)
     results: list[Result] = field(default_factory=list)
@@ -69,14 +71,18 @@ class Report:
         return "; ".join(parts)
 
 
-def selected(only: Sequence[str] = (), skip: Sequence[str] = ()) -> list[Requirement]:
+def selected(
+    only: Sequence[str] = (),
+    skip: Sequence[str] = (),
+    requirements: Sequence[Requirement] = REQUIREMENTS,
+) -> list[Requirement]:
     """By ids, groups or patterns (`CF-*`), ignoring case. UsageError: one that fits nothing."""
     for pattern in [*only, *skip]:
-        if not any(_fits(requirement, pattern) for requirement in REQUIREMENTS):
+        if not any(_fits(requirement, pattern) for requirement in requirements):
             raise UsageError(f"'{pattern}' is no requirement; --list lists them")
     return [
         r
-        for r in REQUIREMENTS
+        for r in requirements
         if (not only or any(_fits(r, p) for p in only)) and not any(_fits(r, p) for p in skip)
     ]
 
@@ -126,11 +132,13 @@ def check(
         raise connection.silence("")
     connection.take_all()
     bench = Bench(connection, key, photodiode)
-    report = Report(str(connection.link), connection.target)
+    target = connection.target
+    who = f"component {target.system}/{target.component}"
+    report = Report(str(connection.link), target, who)
     before = _settings(bench)
     try:
         for requirement in requirements:
-            result = _run(bench, requirement, report)
+            result = run_one(bench, requirement, report)
             report.results.append(result)
             on_result(result)
         report.maker = _maker(bench)
@@ -139,7 +147,22 @@ def check(
     return report
 
 
-def _run(bench: Bench, requirement: Requirement, report: Report) -> Result:
+class AnyBench(Protocol):
+    """What running a requirement needs, whatever the profile."""
+
+    @property
+    def log(self) -> list[str]: ...
+
+    def begin(self) -> None: ...
+
+    def now(self) -> int: ...
+
+    def is_silent(self) -> bool: ...
+
+    def listen(self, us: int) -> Any: ...
+
+
+def run_one(bench: AnyBench, requirement: Requirement, report: Report) -> Result:
     if report.left:
         return Result(requirement, NOT_RUN, report.left)
     bench.begin()

@@ -1,17 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a requirement is. Each is a function that talks to a light over a Bench, with its number,
-its level and its clause; the function's docstring says why, and what is sent and looked at."""
+"""What a requirement is. Each is a function that talks to a light over its profile's bench, with
+its number, its level and its clause; its docstring says why, and what is sent and looked at."""
 
 from __future__ import annotations
 
+import importlib
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from .bench import Bench
+from typing import Any
 
 GUIDE = "https://mavlink.io/en/"
 COMMON = "messages/common.html#"
@@ -46,7 +44,7 @@ class Requirement:
     title: str
     clause: str
     page: str
-    run: Callable[[Bench], None]
+    run: Callable[[Any], None]
 
     @property
     def group(self) -> str:
@@ -54,17 +52,18 @@ class Requirement:
 
     @property
     def url(self) -> str:
-        return GUIDE + self.page
+        return self.page if "://" in self.page else GUIDE + self.page
 
     @property
     def explanation(self) -> str:
         return inspect.cleandoc(self.run.__doc__ or "")
 
 
-Check = Callable[["Bench"], None]
+Check = Callable[[Any], None]
 
-# In the order in which they run.
+# Those of MAVLink, in the order in which they run; and those of each profile.
 REQUIREMENTS: list[Requirement] = []
+PROFILES: dict[str, list[Requirement]] = {"mavlink": REQUIREMENTS, "dronecan": [], "imc": []}
 GROUPS: dict[str, str] = {}
 
 
@@ -73,14 +72,22 @@ def group(prefix: str, title: str) -> None:
 
 
 def requirement(
-    id: str, level: Level, title: str, clause: str, page: str
-) -> Callable[[Check], Check]:
-    """Makes a function the check of a requirement. title: what a light does; page: below GUIDE."""
+    id: str, level: Level, title: str, clause: str, page: str, profile: str = "mavlink"
+) -> Callable[[Any], Any]:
+    """Makes a function the check of a requirement. title: what a light does; page: below GUIDE, or
+    a whole URL."""
 
-    def register(run: Check) -> Check:
+    def register(run: Any) -> Any:
         assert id.partition("-")[0] in GROUPS
-        assert all(known.id != id for known in REQUIREMENTS)
-        REQUIREMENTS.append(Requirement(id, level, title, clause, page, run))
+        assert all(known.id != id for rows in PROFILES.values() for known in rows)
+        PROFILES[profile].append(Requirement(id, level, title, clause, page, run))
         return run
 
     return register
+
+
+def requirements_of(profile: str) -> list[Requirement]:
+    """Those of that profile. The DSDL definitions take a while to load: only when asked for."""
+    if not PROFILES[profile]:
+        importlib.import_module(f".{profile}", __package__)
+    return PROFILES[profile]

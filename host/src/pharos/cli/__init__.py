@@ -206,13 +206,23 @@ def _add_check(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "check",
         help="look whether a light of any maker keeps to the illuminator protocol",
         description=(
-            "Runs the illuminator protocol's requirements on a light. The lamp is switched on, at\n"
-            "5 % at most, and is off in the end, with its settings as they were."
+            "Runs the illuminator protocol's requirements on a light, or what DroneCAN or IMC\n"
+            "says of a node. The lamp is switched on, at 5 % at most where there is dimming, and\n"
+            "is off in the end, over MAVLink with its settings as they were."
         ),
         epilog=CHECK,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     check.add_argument("url", metavar="URL", nargs="?", help="as for `pharos shell`")
+    check.add_argument(
+        "--profile",
+        choices=("mavlink", "dronecan", "imc"),
+        default="mavlink",
+        help="which protocol's requirements (default: mavlink)",
+    )
+    check.add_argument(
+        "--led", default="lamp", metavar="NAME", help="of --profile imc: its LED (default: lamp)"
+    )
     check.add_argument(
         "--only", action="append", default=[], metavar="ID", help="also CF or 'CF-1*'"
     )

@@ -22,7 +22,7 @@ from ..text import printable
 from .key import read_key
 
 if TYPE_CHECKING:
-    from ..check import Requirement, Result
+    from ..check import Report, Requirement, Result
     from .shell import Printer
 
 # How much of a transcript is shown of what fails.
@@ -35,9 +35,10 @@ def run_check(args: argparse.Namespace, printer: Printer) -> int:
     from .. import check
 
     console = Console(file=sys.stdout, highlight=False, soft_wrap=True)
-    chosen = check.selected(args.only, args.skip)
+    known = check.requirements_of(args.profile)
+    chosen = check.selected(args.only, args.skip, known)
     if args.explain:
-        explain(check.selected([args.explain]), printer)
+        explain(check.selected([args.explain], (), known), printer)
         return 0
     if args.list:
         if args.markdown:
@@ -47,19 +48,9 @@ def run_check(args: argparse.Namespace, printer: Printer) -> int:
         return 0
     if args.url is None:
         raise UsageError("check: which light? URL is missing; --list needs none")
-    key = read_key(args.key_file)
-    with ExitStack() as stack:
-        photodiode = None
-        if args.photodiode:
-            photodiode = open_photodiode(args.photodiode)
-            stack.callback(photodiode.close)
-        link = stack.enter_context(open_link(args.url))
-        connection = MavlinkConnection(link, RealPacer([link]), load_dialect())
-        if key:
-            connection.sign(key, signing_time())
-        connection.target = check.find(connection, args.target, round(args.timeout * 1e6))
-        progress = Progress(console, args.verbose, quiet=args.json)
-        report = check.check(connection, chosen, key=key, photodiode=photodiode, on_result=progress)
+    progress = Progress(console, args.verbose, quiet=args.json)
+    run = {"mavlink": _mavlink, "dronecan": _dronecan, "imc": _imc}[args.profile]
+    report = run(args, chosen, progress)
     for path, text in ((args.junit, check.as_junit), (args.html, check.as_html)):
         if path:
             write(path, text(report))
@@ -76,6 +67,50 @@ def run_check(args: argparse.Namespace, printer: Printer) -> int:
     if report.count("not run"):
         return 3
     return 0 if report.passed else 1
+
+
+def _mavlink(args: argparse.Namespace, chosen: list[Requirement], progress: Progress) -> Report:
+    from .. import check
+
+    key = read_key(args.key_file)
+    with ExitStack() as stack:
+        photodiode = None
+        if args.photodiode:
+            photodiode = open_photodiode(args.photodiode)
+            stack.callback(photodiode.close)
+        link = stack.enter_context(open_link(args.url))
+        connection = MavlinkConnection(link, RealPacer([link]), load_dialect())
+        if key:
+            connection.sign(key, signing_time())
+        connection.target = check.find(connection, args.target, round(args.timeout * 1e6))
+        return check.check(connection, chosen, key=key, photodiode=photodiode, on_result=progress)
+
+
+def _dronecan(args: argparse.Namespace, chosen: list[Requirement], progress: Progress) -> Report:
+    from ..can_node import CanPort, DronecanNode, open_bus
+    from ..check.dronecan import check_node
+    from ..tunnel import parse_tunnel_url
+
+    if not args.url.startswith("dronecan:"):
+        raise UsageError("--profile dronecan needs a URL dronecan:INTERFACE/CHANNEL?node=N")
+    url = parse_tunnel_url(args.url)
+    options = {} if url.bitrate is None else {"bitrate": url.bitrate}
+    port = CanPort(open_bus(url.interface, url.channel, fd=url.fd, **options))
+    try:
+        pacer = RealPacer([port])
+        node = DronecanNode(port, pacer.now_us, url.own, fd=url.fd)
+        return check_node(node, url.node, pacer, chosen, on_result=progress)
+    finally:
+        port.close()
+
+
+def _imc(args: argparse.Namespace, chosen: list[Requirement], progress: Progress) -> Report:
+    from ..check.imc import check_imc
+    from ..imc import ImcPeer
+
+    with open_link(args.url) as link:
+        pacer = RealPacer([link])
+        return check_imc(ImcPeer(link, pacer), pacer, chosen, led=args.led, on_result=progress)
 
 
 class Progress:

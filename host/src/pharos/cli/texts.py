@@ -85,6 +85,8 @@ examples:
   pharos check serial:/dev/ttyUSB0,57600 --junit check.xml --html check.html
   pharos check --explain CF-12
   pharos check udp:127.0.0.1:14550 --only 'CF-*' --skip CF-6 -v
+  pharos check 'dronecan:socketcan/can0?node=68' --profile dronecan
+  pharos check tcp:127.0.0.1:6443 --profile imc
 
 exit codes: 0 no must fails; 1 a must fails; 2 not understood; 3 silent or unreachable
 """
