@@ -13,7 +13,7 @@ import pytest
 
 from pharos.cli import main
 from pharos.errors import PharosError
-from pharos.find import Found, _warned, find_lights, usual_places
+from pharos.find import Found, _warned, announced_places, find_lights, usual_places
 from pharos.imc import EVERYONE, Packet, encode, message
 from pharos.light import Information
 from real_light import RealLight
@@ -120,3 +120,36 @@ def test_usual_places_are_places() -> None:
     assert len(set(places)) == len(places)
     assert "tcp:127.0.0.1:5770" in places
     assert "can:pharos-udp" in places
+
+
+AVAHI = """#!/bin/sh
+echo "$@" > {asked}
+cat <<'END'
++;lo;IPv4;Pharos 1;_mavlink._udp;local
+=;lo;IPv4;Pharos 1;_mavlink._udp;local;a.local;{host};{port};"serial=1"
+=;lo;IPv6;Pharos 1;_mavlink._udp;local;a.local;fe80::1;{port};"serial=1"
+=;lo;IPv4;Printer;_ipp._tcp;local;b.local;10.0.0.9;631;
+=;lo;IPv4;Wrong;_mavlink._udp;local;c.local;10.0.0.9;99999;
+=;lo;IPv4
+END
+"""
+
+
+def test_what_mdns_announces_is_a_place(
+    real_light: START, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    url = real_light("--uart0", "udpin:127.0.0.1:0").url()
+    _, host, port = url.split(":")
+    script, asked = tmp_path / "avahi-browse", tmp_path / "asked"
+    script.write_text(AVAHI.format(asked=asked, host=host, port=port))
+    script.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    assert announced_places() == [url]
+    assert "_mavlink._udp" in asked.read_text()
+    (found,) = find_lights(announced_places(), SECONDS)
+    assert found.url == url
+
+
+def test_without_avahi_nothing_is_announced(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", "/nonexistent")
+    assert announced_places() == []

@@ -322,3 +322,57 @@ def test_it_starts_without_standard_streams(binary: Path, tmp_path: Path) -> Non
     status = subprocess.run(["sh", "-c", f"exec {command} <&- >&- 2>&-"], timeout=PATIENCE_S)
     assert status.returncode == 0
     assert b"timeout main 1000000" in trace.read_bytes()
+
+
+# --- mDNS ---------------------------------------------------------------------------------------
+AVAHI = """#!/bin/sh
+printf '%s|' "$@" >> {said}
+exec sleep 1000
+"""
+
+
+def _with_avahi(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A stand-in for avahi-publish; the file in which it says what it was told."""
+    tools, said = folder / "tools", folder / "said"
+    tools.mkdir()
+    (tools / "avahi-publish").write_text(AVAHI.format(said=said))
+    (tools / "avahi-publish").chmod(0o755)
+    monkeypatch.setenv("PATH", str(tools), prepend=":")
+    return said
+
+
+def test_what_listens_for_the_network_is_announced(
+    start: Start, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = _with_avahi(tmp_path, monkeypatch)
+    words = ("--uart0", "udpin:0.0.0.0:0", "--uart1", "udpin:127.0.0.1:0", "--device-id", "2a")
+    light = start(*words, virtual=False)
+    port = light.do("wires")["wires"]["uart0"]["address"].rpartition(":")[2]
+    wait_until(said.exists, "the announcement")
+    wait_until(lambda: said.read_text().count("|") == 5, "all of it")
+    assert said.read_text() == (
+        f"-s|Pharos 2a00000000000000 port {port}|_mavlink._udp|{port}|serial=2a00000000000000|"
+    )
+    children = Path(f"/proc/{light.process.pid}/task/{light.process.pid}/children").read_text()
+    (child,) = map(int, children.split())
+    assert light.quit() == 0
+    wait_until(lambda: not Path(f"/proc/{child}").exists(), "its end")
+
+
+@pytest.mark.parametrize("url", ["udpin:127.0.0.1:0", "udpin:[::1]:0", "tcpin:0.0.0.0:0"])
+def test_what_only_this_host_reaches_is_not_announced(
+    start: Start, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, url: str
+) -> None:
+    said = _with_avahi(tmp_path, monkeypatch)
+    light = start("--uart0", url, virtual=False)
+    assert light.quit() == 0
+    assert not said.exists()
+
+
+def test_without_avahi_nothing_is_said(
+    start: Start, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    light = start("--uart0", "udpin:0.0.0.0:0", virtual=False)
+    assert light.quit() == 0
+    assert "avahi" not in light.stderr.read_text()

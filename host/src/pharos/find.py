@@ -11,6 +11,7 @@ from __future__ import annotations
 import glob
 import re
 import socket
+import subprocess
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field, replace
@@ -33,6 +34,8 @@ TCP_PORT = 5770
 SERIAL = ("/dev/serial/by-id/*", "/dev/ttyUSB*", "/dev/ttyACM*")
 NETWORK = Path("/sys/class/net")
 ARPHRD_CAN = 280  # <linux/if_arp.h>
+MDNS_TYPE = "_mavlink._udp"
+MDNS_S = 2.0
 IMC_PORTS = range(30100, 30105)
 IMC_GROUP = "224.0.75.69"
 IMC_SENSORS = (6, 7)  # SystemType: STATICSENSOR, MOBILESENSOR
@@ -91,7 +94,33 @@ def usual_places(baud: int = BAUD_DEFAULT) -> list[str]:
     paths = {str(Path(p).resolve()): p for pattern in SERIAL for p in sorted(glob.glob(pattern))}
     places += [f"serial:{path},{baud}" for path in paths.values()]
     places += [f"can:socketcan/{name}" for name in _can_interfaces()]
-    return [*places, "can:pharos-udp", "imc:"]
+    return [*places, "can:pharos-udp", "imc:", *announced_places()]
+
+
+def announced_places() -> list[str]:
+    """What the network's mDNS says of lights (_mavlink._udp); nothing without avahi-browse."""
+    words = ("avahi-browse", "--resolve", "--parsable", "--terminate", "--no-db-lookup", MDNS_TYPE)
+    try:
+        done = subprocess.run(words, capture_output=True, timeout=MDNS_S, check=False)
+        text = done.stdout
+    except subprocess.TimeoutExpired as late:
+        text = late.stdout or b""
+    except OSError:
+        return []
+    places: dict[str, None] = {}
+    for line in text.decode(errors="replace").splitlines():
+        fields = line.split(";")
+        # =;interface;protocol;name;type;domain;host;address;port;text
+        if len(fields) < 9 or fields[0] != "=" or fields[4] != MDNS_TYPE:
+            continue
+        host, port = fields[7], fields[8]
+        place = f"udp:[{host}]:{port}" if ":" in host else f"udp:{host}:{port}"
+        # A link-local address needs an interface, which a URL has no place for.
+        if not host.lower().startswith("fe80"):
+            with suppress(UrlError):
+                parse_address(place.removeprefix("udp:"), place)
+                places[place] = None
+    return list(places)
 
 
 def _can_interfaces() -> Iterator[str]:
