@@ -153,9 +153,12 @@ void can_node_init(struct pharos_device *its)
 	const int error =
 		can_link_init((uint32_t)values[PARAM_CAN_BITRATE], values[PARAM_CAN_FD] != 0);
 
+	active = false;
 	if (error != 0) {
 		return;
 	}
+	log_us = 0;
+	to_send = false;
 	device = its;
 	config = (struct dronecan_endpoint_config){
 		.node =

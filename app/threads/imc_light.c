@@ -64,6 +64,9 @@ void imc_light_init(struct pharos_device *its)
 	}
 	active = config.node.services != NULL || config.node.stream_links != 0;
 	device = its;
+	out.packets_count = 0;
+	log_us = 0;
+	actuation_log_us = 0;
 	imc_endpoint_init(&endpoint, clock_now_us(), &config, device);
 	imc_light_tell(&(struct device_effects){.reports = 1});
 }

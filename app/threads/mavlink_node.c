@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "threads/mavlink_node.h"
 
+#include <string.h>
+
 #include <zephyr/kernel.h>
 #include <zephyr/logging/log.h>
 #include <zephyr/sys/printk.h>
@@ -34,7 +36,7 @@ LOG_MODULE_REGISTER(mavlink);
 #define TOLD_AGAIN_US (30 * US_PER_S)
 
 static struct pharos_device *device;
-static int64_t reboot_us = TIME_NEVER_US;
+static int64_t reboot_us;
 static struct mavlink_endpoint endpoint;
 static struct mavlink_illuminator illuminator;
 #ifdef CONFIG_PHAROS_GIMBAL
@@ -43,6 +45,16 @@ static struct mavlink_gimbal gimbal;
 static struct mavlink_outbox out;
 static const uint8_t *received; /* what may have to go on to other links */
 static size_t received_length;
+/* What people have been told, and when the next may be. */
+static struct {
+	enum startup_step startup; /* the next step to look at; STARTUP_STEPS: all are told */
+	int64_t startup_us;
+	uint32_t storage_failures;
+	int64_t storage_us;
+	bool driver_fault;
+	int64_t driver_us;
+	int64_t clash_us;
+} told;
 
 /* The gimbal, if there is one: a component of its own. */
 static void add_gimbal(int64_t now_us)
@@ -109,6 +121,10 @@ void mavlink_node_init(struct pharos_device *its)
 	char text[IDENTITY_BOOT_TEXT_MAX];
 
 	device = its;
+	reboot_us = TIME_NEVER_US;
+	mavlink_outbox_clear(&out);
+	memset(&told, 0, sizeof(told));
+	told.startup = STARTUP_STEPS;
 	mavlink_illuminator_init(&illuminator, device, 0, identity_get());
 	for (uint8_t link = 0; link < LINKS_MAX; link++) {
 		config.rates[link] = links_rate(link);
@@ -242,16 +258,14 @@ void mavlink_node_tell(const struct device_effects *effects)
 /* What could not be stored is gone after the next reset: people should know. */
 static void tell_storage_failure(int64_t now_us)
 {
-	static uint32_t told;
-	static int64_t next_us;
 	const struct storage_stats stats = storage_stats_get();
 	char text[MAVLINK_TEXT_BYTES];
 
-	if (stats.failures == told || now_us < next_us) {
+	if (stats.failures == told.storage_failures || now_us < told.storage_us) {
 		return;
 	}
-	told = stats.failures;
-	next_us = now_us + MAVLINK_NOTICE_GAP_US;
+	told.storage_failures = stats.failures;
+	told.storage_us = now_us + MAVLINK_NOTICE_GAP_US;
 	snprintk(text, sizeof(text), "Settings can't be stored: error %d", stats.last_error);
 	mavlink_endpoint_text(&endpoint, now_us, 3 /* MAV_SEVERITY_ERROR */, text);
 }
@@ -259,44 +273,40 @@ static void tell_storage_failure(int64_t now_us)
 /* What has not started: a text for each step. */
 static void tell_startup(int64_t now_us)
 {
-	static enum startup_step next = STARTUP_STEPS;
-	static int64_t next_us;
 	char text[MAVLINK_TEXT_BYTES];
 
-	if (next == STARTUP_STEPS) {
-		if (now_us < next_us) {
+	if (told.startup == STARTUP_STEPS) {
+		if (now_us < told.startup_us) {
 			return;
 		}
-		next = 0;
-		next_us = now_us + TOLD_AGAIN_US;
+		told.startup = 0;
+		told.startup_us = now_us + TOLD_AGAIN_US;
 	}
-	next = startup_failed(next);
-	if (next != STARTUP_STEPS) {
-		snprintk(text, sizeof(text), "Start failed: %s, error %d", startup_name(next),
-		         startup_result(next));
+	told.startup = startup_failed(told.startup);
+	if (told.startup != STARTUP_STEPS) {
+		snprintk(text, sizeof(text), "Start failed: %s, error %d",
+		         startup_name(told.startup), startup_result(told.startup));
 		mavlink_endpoint_text(&endpoint, now_us,
 		                      startup_allows_light() ? 3 /* MAV_SEVERITY_ERROR */
 		                                             : 2 /* MAV_SEVERITY_CRITICAL */,
 		                      text);
-		next++;
+		told.startup++;
 	}
 }
 
 /* The lamp cannot be driven, or its driver tells of a fault; or all is well again. */
 static void tell_driver_fault(int64_t now_us)
 {
-	static bool told;
-	static int64_t next_us;
 	struct light_state light;
 
 	light_get(devices.light, &light);
 	const bool fault = inputs_get().driver_fault || light.error != 0;
 
-	if (fault == told || now_us < next_us) {
+	if (fault == told.driver_fault || now_us < told.driver_us) {
 		return;
 	}
-	told = fault;
-	next_us = now_us + MAVLINK_NOTICE_GAP_US;
+	told.driver_fault = fault;
+	told.driver_us = now_us + MAVLINK_NOTICE_GAP_US;
 	mavlink_endpoint_text(&endpoint, now_us,
 	                      fault ? 3 /* MAV_SEVERITY_ERROR */ : 5 /* MAV_SEVERITY_NOTICE */,
 	                      fault ? "Lamp driver reports a fault" : "Lamp driver is well again");
@@ -317,12 +327,11 @@ static void tell_lock(int64_t now_us)
 
 static void tell_clash(int64_t now_us)
 {
-	static int64_t next_us;
 	char text[MAVLINK_TEXT_BYTES];
 
 	_Static_assert(sizeof(text) >= CAN_NODE_CLASH_TEXT_MAX, "it fits");
-	if (now_us >= next_us && can_node_clash_text(text)) {
-		next_us = now_us + TOLD_AGAIN_US;
+	if (now_us >= told.clash_us && can_node_clash_text(text)) {
+		told.clash_us = now_us + TOLD_AGAIN_US;
 		mavlink_endpoint_text(&endpoint, now_us, 4 /* MAV_SEVERITY_WARNING */, text);
 	}
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "threads/tunnel_link.h"
 
+#include <string.h>
+
 #include <zephyr/kernel.h>
 
 #include "threads/clock.h"
@@ -37,6 +39,10 @@ static struct {
 void tunnel_links_init(struct dronecan_tunnel *its)
 {
 	tunnel = its;
+	memset(links, 0, sizeof(links));
+	links_up = 0;
+	rest.size = 0;
+	written = false;
 	for (size_t i = 0; i < TUNNEL_LINKS_MAX; i++) {
 		mavlink_framer_init(&links[i].framer);
 	}
