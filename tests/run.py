@@ -29,6 +29,8 @@ import guest  # noqa: E402
 VENV = ROOT / ".venv" / "bin"
 CORES = len(os.sched_getaffinity(0))
 FUZZ_RUNS_SHORT = 200_000
+# Of these harnesses a run is as long as so many of the others.
+FUZZ_LONG = {"fuzz_command": 10}
 
 
 @dataclass
@@ -108,8 +110,8 @@ def pytest(preset: str, *where: str, **env: str) -> Outcome:
     if passed is None or code != 0:
         failed = max(failed, 1)
     again = f".venv/bin/python -m pytest {' '.join(where)} --last-failed"
-    replay = f"PHAROS_BUILD=build/{preset} {again}"
-    return Outcome(int(passed[1]) if passed else 0, failed, replay if failed else "")
+    replay = f"PHAROS_BUILD=build/{preset} {again}" if failed else ""
+    return Outcome(int(passed[1]) if passed else 0, failed, replay, guest.failures(output))
 
 
 def suite(preset: str) -> Outcome:
@@ -169,7 +171,8 @@ def fuzz(args: argparse.Namespace) -> Outcome:
     for harness in (path for path in harnesses if path.is_file() and os.access(path, os.X_OK)):
         corpus = ROOT / "build" / "fuzz" / "corpus" / harness.name
         corpus.mkdir(parents=True, exist_ok=True)
-        flags = [f"-runs={args.fuzz_runs}", "-seed=1", "-timeout=10", "-verbosity=0"]
+        runs = args.fuzz_runs // FUZZ_LONG.get(harness.name, 1)
+        flags = [f"-runs={runs}", "-seed=1", "-timeout=10", "-verbosity=0"]
         flags += ["-print_final_stats=1", f"-artifact_prefix={corpus}-"]
         outcome += check(harness, *flags, corpus)
     return outcome

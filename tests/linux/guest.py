@@ -62,6 +62,11 @@ class Result:
 # --- the host's part ---------------------------------------------------------------------------
 
 
+def failures(output: str) -> str:
+    """The first of pytest's lines about tests that failed, each with its reason."""
+    return "\n  ".join(re.findall(r"^(?:FAILED|ERROR) .*$", output, re.MULTILINE)[:10])
+
+
 def _run(
     *command: str | Path, cwd: Path | None = None, env: Mapping[str, str] | None = None
 ) -> str:
@@ -277,7 +282,8 @@ def _pytest(
     failed = sum(int(n) for n in re.findall(r"(\d+) (?:failed|error)", last))
     if passed is None or status != 0:
         failed = max(failed, 1)
-    return Result(int(passed[1]) if passed else 0, failed, replay if failed else "")
+    replay = replay if failed else ""
+    return Result(int(passed[1]) if passed else 0, failed, replay, failures(text))
 
 
 def run_tests(build: Path, arguments: Sequence[str]) -> Result:

@@ -311,7 +311,7 @@ def test_lost_chip_is_a_driver_fault_until_it_is_back(
     chip.unplug()
     until("the loss is seen", lambda: not light.do("gpiochip")["present"])
     until("a driver fault", lambda: "FAULT, 1 faults" in light.status())
-    assert light.console().count("is lost") == 1
+    until("it is told", lambda: "is lost" in light.console())
     # it goes on, also with commands
     light.shell("light off", "light on")
     until("on", lambda: light.do("outputs")["enable"] == 1)
@@ -319,8 +319,9 @@ def test_lost_chip_is_a_driver_fault_until_it_is_back(
     until("it is found again", lambda: light.do("gpiochip")["present"])
     until("lit", lambda: chip.value("LAMP") == 1)
     until("no driver fault", lambda: "ok, 1 faults" in light.status())
+    until("it is told", lambda: "is back" in light.console())
     assert light.do("gpiochip")["losses"] == 1
-    assert light.console().count("is back") == 1
+    assert (light.console().count("is lost"), light.console().count("is back")) == (1, 1)
     assert light.signal(signal.SIGTERM) == 0
 
 

@@ -17,17 +17,11 @@ from echo_light import Light, Start
 
 ROOT = Path(__file__).parents[2]
 BUILD = Path(os.environ.get("PHAROS_BUILD", ROOT / "build" / "native")).resolve()
-DEFAULT_BINARY = BUILD / "tests" / "native" / "echo_app"
-
-
-def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--binary", help="the echo_app executable; default: PHAROS_BUILD's")
 
 
 @pytest.fixture
-def binary(request: pytest.FixtureRequest) -> Path:
-    given = request.config.getoption("--binary", None)
-    return Path(given).resolve() if given else DEFAULT_BINARY
+def binary() -> Path:
+    return BUILD / "tests" / "native" / "echo_app"
 
 
 @pytest.fixture

@@ -16,6 +16,11 @@ from echo_light import Light, Start
 pytestmark = pytest.mark.realtime
 
 
+# More changes than wait in the light and the pipe (344,064 bytes), at three bytes each: those of
+# one microsecond share a time mark.
+MANY = 130_000
+
+
 class Pipe:
     """A file that takes 64 KiB and no more, until it is read."""
 
@@ -36,17 +41,17 @@ class Pipe:
 
 def _toggle(light: Light, times: int) -> None:
     """Each is a change to record, and events to trace."""
-    for start in range(0, times, 100):
-        for i in range(start, start + 100):
+    for start in range(0, times, 1000):
+        for i in range(start, start + 1000):
             light.send_line(b'{"op":"gpio","line":"sync","value":%d}' % (i % 2))
-        for _ in range(100):
+        for _ in range(1000):
             assert light.read_line()["ok"]
 
 
 def test_a_recording_says_what_it_lacks(start: Start, tmp_path: Path) -> None:
     pipe = Pipe(tmp_path / "record")
     light = start("--record", str(pipe.path), virtual=False)
-    _toggle(light, 40_000)
+    _toggle(light, MANY)
     text = pipe.read_to_the_end_of(light)
     head, *rest = text.split("$comment changes are missing here $end\n")
     assert rest
