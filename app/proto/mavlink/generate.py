@@ -142,6 +142,16 @@ def run_mavgen(staged: Path, output: Path, language: str) -> None:
         raise GenerateError(f"mavgen ({language}) refused the dialect:\n{said.getvalue()}")
 
 
+def drop_functions(include: Path) -> None:
+    """Leave types and constants in the messages' headers: nobody calls what packs and unpacks, and
+    most of the time to compile a file that includes them all would go there."""
+    for path in include.rglob("mavlink_msg_*.h"):
+        types, found, _ = path.read_text(encoding="utf-8").partition("/**\n * @brief Pack a ")
+        if not found:
+            raise GenerateError(f"{path}: no function that packs {path.stem}")
+        path.write_text(types, encoding="utf-8")
+
+
 class Message(NamedTuple):
     """What others understand a message by. Offsets of its target ids, NO_TARGET: it has none."""
 
@@ -251,6 +261,7 @@ def generate(dialect_xml: Path, out: Path) -> list[str]:
     check(ours)
     include = out / "include"
     run_mavgen(staged, include, "C")
+    drop_functions(include)
     (out / "python").mkdir(parents=True, exist_ok=True)
     run_mavgen(staged, out / "python" / "pharos_dialect.py", "Python3")
     everything = wheel / "all.xml"
