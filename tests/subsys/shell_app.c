@@ -8,6 +8,7 @@
 #include <zephyr/settings/settings.h>
 #include <zephyr/shell/shell.h>
 
+#include "host/say.h"
 #include "kernel/port.h"
 
 LOG_MODULE_REGISTER(shell_app, LOG_LEVEL_DBG);
@@ -69,6 +70,8 @@ SHELL_CMD_REGISTER(tree, &tree_commands, "A tree", NULL);
 
 int main(void)
 {
+	/* To stderr: what a slow machine makes the host say is no part of the screen. */
+	host_say_through(NULL);
 	(void)settings_subsys_init();
 	k_sleep(K_FOREVER);
 	return 0;

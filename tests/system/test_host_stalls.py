@@ -64,7 +64,8 @@ class RealLight:
     def until(self, what: str, condition: Callable[[], bool]) -> None:
         deadline = time.monotonic() + PATIENCE_S
         while not condition():
-            assert time.monotonic() < deadline, f"never came: {what}"
+            late = time.monotonic() >= deadline
+            assert not late, f"never came: {what}\n{self.outputs()}\n{self.stderr.read_text()}"
             select.select([], [], [], 0.005)
 
     def run_for(self, us: int) -> None:
@@ -73,9 +74,11 @@ class RealLight:
         self.until("board time", lambda: self.now_us() >= end_us)
 
     def switch_on(self) -> None:
-        """At full power; from here on `peak_ppm` is that of the light asked for."""
-        self.control.request("gpio", line="button", value=0, pulse_us=100_000)
+        """At full power; from here on `peak_ppm` is that of the light asked for. The button is held
+        until then: a process that gets no processor for as long as a pulse lasts sees none."""
+        self.control.request("gpio", line="button", value=0)
         self.until("light", lambda: self.outputs()["level_ppm"] == FULL_PPM)
+        self.control.request("gpio", line="button", value=1)
         self.outputs(reset=True)
 
     def stop(self, seconds: float) -> None:
