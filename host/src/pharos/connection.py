@@ -116,6 +116,8 @@ class MavlinkConnection:
             what = "the light signs its messages and obeys only who has its key: --key-file FILE"
         elif self.signs and any("signature" in str(bad.reason) for bad in self.malformed):
             what += "; what came is not signed with this key"
+        elif self.malformed and not self.history:
+            what += "; what came is no MAVLink: is the baud rate right?"
         return SilentError(f"{self.link}: {what}")
 
     def encode(self, message: Any) -> bytes:

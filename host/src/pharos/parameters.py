@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from .errors import PharosError, UsageError
+from .errors import CommandError, PharosError, UsageError
 from .light import TRIES, TRY_US, Light
 
 REAL32 = 9
@@ -147,7 +148,11 @@ class Parameters:
         )
         if isinstance(answer, Parameter):
             return answer
-        # The protocol has no refusal but the newer PARAM_ERROR: nothing comes.
+        # The protocol has no refusal but the newer PARAM_ERROR: nothing comes. Of somebody who
+        # answers nothing at all either, that says nothing.
+        if not answer:
+            with suppress(CommandError):
+                self._light.fetch_status()
         raise ParameterError(name or f"#{index}", REASONS.get(answer, REASONS[1]), answer)
 
     def set(self, name: str, value: float) -> Parameter:
