@@ -152,9 +152,10 @@ def _refuse_while_lit(light: Light, force: bool) -> None:
 def _booted_us(light: Light) -> int | None:
     """When it started, by our clock; None: it is away."""
     try:
-        return light.connection.pacer.now_us() - 1000 * light.fetch_status().uptime_ms
+        uptime_us = 1000 * light.fetch_status().uptime_ms
     except (SilentError, CommandError):
         return None
+    return light.connection.pacer.now_us() - uptime_us
 
 
 def _restart(light: Light, force: bool, patience_us: int) -> int:
