@@ -14,6 +14,8 @@
 # make simulate-powerup  power-ups with chips that are late, silent or broken: SEEDS=1:10001
 # make simulate-store   a power cut at every byte of what the store writes: CUTS=1000000
 # make coverage         which lines and branches of app/ the suite takes: build/coverage/html
+# make mutants          small changes of the code that no test notices: SEED=1 COUNT=300
+#                       WHERE="app/core app/proto"; takes hours
 # make bench            the figures of README, from one run
 # make picture          docs/heat.svg, from a simulated hour
 # make parameters       docs/parameters.md, from the table
@@ -34,12 +36,14 @@ SEEDS ?= 1:301
 SEED ?=
 WORKERS ?= local
 CUTS ?= 1000000
+COUNT ?= 300
+WHERE ?=
 SCHEDULER ?=
 PYTHON = .venv/bin/python
 
 .DEFAULT_GOAL = help
 .PHONY: help run build host test lint fuzz bench picture parameters format clean
-.PHONY: simulate simulate-worker simulate-powerup simulate-store coverage
+.PHONY: simulate simulate-worker simulate-powerup simulate-store coverage mutants
 .PHONY: tools test-tools
 
 help:
@@ -102,6 +106,9 @@ format: test-tools
 
 clean:
 	rm -rf build
+
+mutants: test-tools
+	@$(PYTHON) tests/mutation/mutants.py --seed $(or $(SEED),1) --count $(COUNT) $(WHERE)
 
 coverage: test-tools
 	@cmake --preset coverage --log-level=NOTICE >/dev/null
