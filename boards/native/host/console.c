@@ -19,7 +19,8 @@ static bool is_running;
 
 static struct {
 	uint64_t dropped;
-	uint64_t told;
+	uint64_t told;    /* so many have been read of, as far as can be known */
+	uint64_t telling; /* what the last line about them says */
 } state;
 
 uint64_t console_dropped(void)
@@ -46,13 +47,13 @@ static void tell_dropped(void)
 	char text[64];
 	int length;
 
-	if (state.dropped == state.told) {
+	if (state.dropped == state.telling) {
 		return;
 	}
 	length = snprintf(text, sizeof(text), "--- %" PRIu64 " lines dropped ---\n",
-	                  state.dropped - state.told);
+	                  state.dropped - state.telling);
 	if (sink_put(&errors, text, (size_t)length)) {
-		state.told = state.dropped;
+		state.telling = state.dropped;
 	}
 }
 
@@ -63,11 +64,25 @@ void port_console_write(const char *text, size_t length)
 		return;
 	}
 	tell_dropped();
-	if (state.dropped == state.told && sink_put(&errors, text, length)) {
+	if (state.dropped == state.telling && sink_put(&errors, text, length)) {
 		return;
 	}
 	for (size_t i = 0; i < length; i++) {
 		state.dropped += text[i] == '\n' ? 1 : 0;
+	}
+}
+
+static void on_errors_drained(int error, uint64_t lost_lines)
+{
+	if (error == 0) {
+		state.told = state.telling;
+		tell_dropped();
+	} else {
+		/* told with the next line: now it would fail as well, and again, without end */
+		const bool has_told = state.telling != state.told && lost_lines > 0;
+
+		state.dropped += lost_lines - (has_told ? 1 : 0);
+		state.telling = state.told;
 	}
 }
 
@@ -77,8 +92,9 @@ static void on_drained(struct sink *sink)
 	const int error = sink_error(sink);
 	const uint64_t lines = sink_forgive(sink);
 
-	state.dropped += sink == &errors ? lines : 0;
-	tell_dropped();
+	if (sink == &errors) {
+		on_errors_drained(error, lines);
+	}
 	if (output_drained != NULL) {
 		output_drained(output_arg, error);
 	}
