@@ -320,6 +320,13 @@ def test_control_c_abandons_the_line(shell: Session) -> None:
     assert shell.run("") == []
 
 
+def test_control_d_leaves_no_terminal_but_the_programs_own(shell: Session) -> None:
+    assert shell.type(CTRL["D"]) == ""
+    shell.keys(CTRL["C"], lambda s: f"{PROMPT}^C" in s.screen.text)
+    assert shell.run("say yes") == ["<yes>"]
+    assert "Ctrl-D" not in "".join(shell.screen.text + shell.run("help"))
+
+
 def test_control_l_clears_the_screen_and_keeps_the_line(shell: Session) -> None:
     shell.run("say something")
     shell.type("say ab" + LEFT)
@@ -522,6 +529,11 @@ def test_torn_write_by_control_keeps_the_old_value(
     # -5: EIO
     assert shell.run("save light/level new") == ["saved: -5"]
     reboot(shell)
+    # The log tells of it when it comes to it, above the line being typed.
+    told = "<wrn> settings: 1 broken records left out"
+    shell._until(
+        lambda s: any(told in row for row in s.screen.text) and s.screen.line == PROMPT.rstrip()
+    )
     assert shell.run("settings read light/level")[0].endswith("|old             |")
     assert shell.run("save light/level new") == ["saved: 0"]
     assert shell.run("settings read light/level")[0].endswith("|new             |")
