@@ -59,6 +59,17 @@ void mavlink_ftp_put_le(uint8_t *to, uint32_t value, uint8_t bytes)
 	}
 }
 
+#define CRC32_REFLECTED 0xEDB88320u
+
+uint32_t mavlink_ftp_crc32(uint32_t crc, uint8_t byte)
+{
+	crc ^= byte;
+	for (uint8_t bit = 0; bit < 8; bit++) {
+		crc = (crc >> 1) ^ ((crc & 1u) != 0 ? CRC32_REFLECTED : 0u);
+	}
+	return crc;
+}
+
 uint8_t mavlink_ftp_data_byte(const struct mavlink_ftp_request *request, uint8_t i)
 {
 	return mavlink_frame_byte(request->frame, (uint8_t)(PAYLOAD_OFFSET + AT_DATA + i));
@@ -272,7 +283,7 @@ static uint8_t burst_read(struct mavlink_ftp *self, const struct mavlink_context
 	return MAVLINK_FTP_LATER;
 }
 
-static uint8_t calculate_crc(const struct mavlink_ftp *self, const struct mavlink_context *context,
+static uint8_t calculate_crc(struct mavlink_ftp *self, const struct mavlink_context *context,
                              const struct mavlink_ftp_request *request,
                              struct mavlink_ftp_answer *answer)
 {
@@ -287,12 +298,12 @@ static uint8_t calculate_crc(const struct mavlink_ftp *self, const struct mavlin
 	const struct mavlink_file *const file =
 		mavlink_ftp_file(self, request->path, request->path_length);
 
-	if (file == NULL || mavlink_ftp_is_packed(file)) {
-		return MAV_FTP_ERR_FILENOTFOUND; /* packed parameters are there once they are opened
-		                                  */
+	if (file == NULL) {
+		return MAV_FTP_ERR_FILENOTFOUND;
 	}
 	answer->size = sizeof(file->crc32);
-	mavlink_ftp_put_le(answer->data, file->crc32, sizeof(file->crc32));
+	mavlink_ftp_put_le(answer->data, mavlink_ftp_session_crc32(self, file),
+	                   sizeof(file->crc32));
 	return MAV_FTP_ERR_NONE;
 }
 

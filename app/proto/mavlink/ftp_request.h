@@ -42,6 +42,9 @@ uint8_t mavlink_ftp_data_byte(const struct mavlink_ftp_request *request, uint8_t
 
 void mavlink_ftp_put_le(uint8_t *to, uint32_t value, uint8_t bytes);
 
+/* A file's checksum with one byte more: from 0, not inverted (mavlink.io/en/guide/crc.html). */
+uint32_t mavlink_ftp_crc32(uint32_t crc, uint8_t byte);
+
 /*
  * Answers request to the client of that link and ids: error is a MAV_FTP_ERR. The outbox has room
  * (asserted). answer becomes the frame.

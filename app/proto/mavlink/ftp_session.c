@@ -278,3 +278,26 @@ struct mavlink_ftp_session *mavlink_ftp_session_open(struct mavlink_ftp *self,
 	};
 	return session;
 }
+
+uint32_t mavlink_ftp_session_crc32(struct mavlink_ftp *self, const struct mavlink_file *file)
+{
+	uint8_t part[32];
+	uint32_t crc = 0;
+
+	if (!mavlink_ftp_is_packed(file)) {
+		return file->crc32;
+	}
+	(void)refresh_pack(self);
+
+	const struct mavlink_ftp_session whole = {.file = file, .length = file_length(self, file)};
+
+	for (uint32_t at = 0; at < whole.length; at += sizeof(part)) {
+		const uint8_t count =
+			mavlink_ftp_session_read(self, &whole, at, sizeof(part), part);
+
+		for (uint8_t i = 0; i < count; i++) {
+			crc = mavlink_ftp_crc32(crc, part[i]);
+		}
+	}
+	return crc;
+}

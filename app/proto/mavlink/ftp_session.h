@@ -38,6 +38,9 @@ uint8_t mavlink_ftp_session_read(const struct mavlink_ftp *self,
                                  const struct mavlink_ftp_session *session, uint32_t offset,
                                  uint8_t size, uint8_t *to);
 
+/* Of the file as a session would read it that opened now, or as those do that are open. */
+uint32_t mavlink_ftp_session_crc32(struct mavlink_ftp *self, const struct mavlink_file *file);
+
 /* false: the asker has no such session, nor had this request closed it before. */
 bool mavlink_ftp_session_close(struct mavlink_ftp *self, const struct mavlink_context *context,
                                uint8_t id, uint16_t sequence);

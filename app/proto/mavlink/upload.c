@@ -8,8 +8,6 @@
 #include "proto/mavlink/dialect.h"
 #include "proto/mavlink/internal.h"
 
-#define CRC32_REFLECTED 0xEDB88320u
-
 void mavlink_upload_init(struct mavlink_upload *self, const struct pharos_device *device)
 {
 	memset(self, 0, sizeof(*self));
@@ -213,16 +211,6 @@ uint8_t mavlink_upload_open(struct mavlink_upload *self, const struct mavlink_co
 
 /* --- bytes ------------------------------------------------------------------------------------ */
 
-/* From 0, not inverted at the end: mavlink.io/en/guide/crc.html. */
-static uint32_t crc32_add(uint32_t crc, uint8_t byte)
-{
-	crc ^= byte;
-	for (uint8_t bit = 0; bit < 8; bit++) {
-		crc = (crc >> 1) ^ ((crc & 1u) != 0 ? CRC32_REFLECTED : 0u);
-	}
-	return crc;
-}
-
 uint8_t mavlink_upload_write(struct mavlink_upload *self, const struct mavlink_context *context,
                              const struct mavlink_ftp_request *request)
 {
@@ -247,7 +235,7 @@ uint8_t mavlink_upload_write(struct mavlink_upload *self, const struct mavlink_c
 		const uint8_t byte = mavlink_ftp_data_byte(request, (uint8_t)i);
 
 		self->buffer[self->fill++] = byte;
-		self->crc32 = crc32_add(self->crc32, byte);
+		self->crc32 = mavlink_ftp_crc32(self->crc32, byte);
 		self->received++;
 	}
 	if (self->fill < MAVLINK_UPLOAD_BLOCK) {

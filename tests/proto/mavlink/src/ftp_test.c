@@ -348,6 +348,47 @@ ZTEST(mavlink_ftp, test_packed_parameters_are_of_one_instant)
 	assert_ok(asked((struct ask){.session = 8, .sequence = 6, .opcode = 4, .path = PACK}));
 }
 
+static uint32_t pack_crc32(uint16_t sequence, const char *path)
+{
+	const uint8_t *const payload =
+		asked((struct ask){.sequence = sequence, .opcode = 14, .path = path});
+
+	assert_ok(payload);
+	zassert_equal(payload[4], 4);
+	return payload[12] | payload[13] << 8 | payload[14] << 16 | (uint32_t)payload[15] << 24;
+}
+
+/* Bit by bit, as mavlink.io/en/guide/crc.html has it. */
+static uint32_t crc32_of(const uint8_t *bytes, uint32_t length)
+{
+	uint32_t crc = 0;
+
+	for (uint32_t bit = 0; bit < 8 * length; bit++) {
+		const uint32_t in = bytes[bit / 8] >> bit % 8 & 1;
+
+		crc = (crc & 1) == in ? crc >> 1 : crc >> 1 ^ 0xEDB88320u;
+	}
+	return crc;
+}
+
+ZTEST(mavlink_ftp, test_checksum_of_packed_parameters_is_that_of_what_is_read)
+{
+	static uint8_t file[4096];
+	struct param_set changed;
+	uint32_t length;
+	uint32_t before;
+
+	before = pack_crc32(100, PACK);
+	zassert_equal(params_set(device_params, PARAM_LGT_RESTORE, 1, &changed), PARAMS_OK);
+	zassert_not_equal(pack_crc32(102, PACK), before, "it is of now");
+	assert_ok(asked((struct ask){.session = 9, .opcode = 4, .path = PACK "?withdefaults=1"}));
+	length = read_pack(9, file);
+	zassert_equal(pack_crc32(104, PACK "?withdefaults=1"), crc32_of(file, length));
+	/* and stays so while it is read */
+	zassert_equal(params_set(device_params, PARAM_LGT_RESTORE, 0, &changed), PARAMS_OK);
+	zassert_equal(pack_crc32(106, PACK "?withdefaults=1"), crc32_of(file, length));
+}
+
 ZTEST(mavlink_ftp, test_idle_packed_parameters_are_given_up)
 {
 	struct param_set changed;
