@@ -87,6 +87,22 @@ def test_answers_arrive_in_order(pair: Pair) -> None:
     assert pair.link.received == 1000
 
 
+@pytest.mark.parametrize("protocol", [0, 1, 255])
+def test_mavlink_of_either_version_or_of_no_name_is_taken(pair: Pair, protocol: int) -> None:
+    """ArduPilot up to 4.5 always sends 255."""
+    pair.time.pump(0)
+    pair.server.say(b"frame", protocol=protocol)
+    pair.time.pump(0)
+    assert (pair.link.received, pair.link.foreign) == (5, 0)
+
+
+def test_bytes_of_another_protocol_are_counted_and_not_taken(pair: Pair) -> None:
+    pair.time.pump(0)
+    pair.server.say(b"$GPGGA", protocol=2)
+    pair.time.pump(0)
+    assert (pair.link.received, pair.link.foreign) == (0, 1)
+
+
 def test_answers_to_others_are_not_ours(pair: Pair) -> None:
     pair.time.pump(0)
     pair.server.say(b"another node's", target=PEER + 1)

@@ -73,7 +73,14 @@ class TunnelServer:
             self.heard.append(transfer)
             self.received += bytes(transfer.message.buffer.to_bytes())
 
-    def say(self, data: bytes, *, target: int | None = None, serial_id: int | None = None) -> None:
+    def say(
+        self,
+        data: bytes,
+        *,
+        target: int | None = None,
+        serial_id: int | None = None,
+        protocol: int | None = None,
+    ) -> None:
         asker = self.heard[-1]
         self.node.fd = asker.fd
         for at in range(0, len(data), 120):
@@ -82,6 +89,7 @@ class TunnelServer:
                 serial_id=asker.message.serial_id if serial_id is None else serial_id,
                 baudrate=asker.message.baudrate,
             )
-            message.protocol.protocol = asker.message.protocol.protocol
+            own = asker.message.protocol.protocol
+            message.protocol.protocol = own if protocol is None else protocol
             message.buffer.from_bytes(data[at : at + 120])
             self.node.broadcast(message, 16)

@@ -3,15 +3,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import lzma
-import os
-import re
-import select
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -19,6 +14,7 @@ import pytest
 
 from harness import BUILD
 from pharos import find_dialect, load_dialect
+from programs import read_until
 from realtime import LIMIT_S, light_at
 
 
@@ -27,81 +23,6 @@ def address(tmp_path: Path) -> Iterator[str]:
     """HOST:PORT of a light that runs in real time and listens over UDP."""
     with light_at(tmp_path) as found:
         yield found
-
-
-def _read_until(process: subprocess.Popen[bytes], pattern: str) -> str:
-    """Reads output until `pattern` is seen; fails, showing it all, after LIMIT_S."""
-    assert process.stdout is not None
-    end = time.monotonic() + LIMIT_S
-    text = ""
-    while not re.search(pattern, text):
-        left = end - time.monotonic()
-        ready = select.select([process.stdout], [], [], max(0.0, left))[0]
-        data = os.read(process.stdout.fileno(), 65536) if ready else b""
-        assert data, f"no '{pattern}' in the output:\n{text}"
-        text += data.decode(errors="replace")
-    return text
-
-
-class MavProxy:
-    """MAVProxy in a folder of its own, with a light as its target."""
-
-    def __init__(self, address: str, folder: Path, modules: str) -> None:
-        program = Path(sys.executable).with_name("mavproxy.py")
-        self.process = subprocess.Popen(
-            [sys.executable, str(program), f"--master=udpout:{address}", "--target-system=1",
-             "--target-component=243", f"--default-modules={modules}",
-             f"--state-basedir={folder}"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            cwd=folder,
-            env={**os.environ, "HOME": str(folder), "PYTHONUNBUFFERED": "1"},
-        )  # fmt: skip
-
-    def until(self, pattern: str) -> str:
-        return _read_until(self.process, pattern)
-
-    def type(self, line: str, answer: str) -> str:
-        """Types a line; returns the output up to the answer."""
-        assert self.process.stdin is not None
-        self.process.stdin.write(line.encode() + b"\n")
-        self.process.stdin.flush()
-        return self.until(answer)
-
-    def close(self) -> None:
-        self.process.kill()
-        self.process.wait()
-
-
-@contextlib.contextmanager
-def mavproxy(address: str, folder: Path, modules: str) -> Iterator[MavProxy]:
-    program = MavProxy(address, folder, modules)
-    try:
-        program.until(r"link 1 OK|Detected vehicle|online system 1|heartbeat")
-        yield program
-    finally:
-        program.close()
-
-
-@pytest.mark.realtime
-def test_mavproxy_turns_the_light_on(address: str, tmp_path: Path) -> None:
-    with mavproxy(address, tmp_path, "cmdlong") as program:
-        program.type("long ILLUMINATOR_ON_OFF 1", r"ILLUMINATOR_ON_OFF.*ACCEPTED")
-
-
-@pytest.mark.realtime
-def test_mavproxy_fetches_files_and_packed_parameters(address: str, tmp_path: Path) -> None:
-    with mavproxy(address, tmp_path, "ftp,param") as program:
-        program.until(r"Received \d+ parameters \(ftp\)")
-        program.type("ftp list", r"parameters\.json\.xz")
-        for name in ("general.json", "parameters.json.xz"):
-            program.type(f"ftp get {name}", rf"Wrote \d+ bytes to {re.escape(name)}")
-        # a line later, since the file is closed after that is said
-        received = program.type("param fetch", r"Received \d+ parameters \(ftp\)")
-    table = json.loads(lzma.decompress((tmp_path / "parameters.json.xz").read_bytes()))
-    json.loads((tmp_path / "general.json").read_bytes())
-    assert f"Received {len(table['parameters'])} parameters" in received
 
 
 @pytest.mark.realtime
@@ -116,7 +37,7 @@ def test_imcpys_actor_hears_answers_and_heartbeats(tmp_path: Path) -> None:
             cwd=tmp_path,
         )
         try:
-            _read_until(
+            read_until(
                 actor, r"(?s)(?=.*Heartbeat of pharos-light)(?=.*EntityState of pharos-light)"
             )
         finally:

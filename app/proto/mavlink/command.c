@@ -152,10 +152,16 @@ static const struct mavlink_command_row *row_of(const struct mavlink_component *
 	return NULL;
 }
 
+static bool row_knows(const struct mavlink_command_row *row, const struct mavlink_command *command)
+{
+	return row->knows == NULL || row->knows(command);
+}
+
 /* Has the component that command, and the message that it is about? */
 static bool is_known(const struct mavlink_component *component,
                      const struct mavlink_command *command)
 {
+	const struct mavlink_command_row *const row = row_of(component, command->id);
 	uint32_t id;
 
 	switch (command->id) {
@@ -165,7 +171,7 @@ static bool is_known(const struct mavlink_component *component,
 		return mavlink_whole(command->param[0], MAVLINK_MESSAGE_ID_MAX, &id) &&
 		       mavlink_message_find(component, id) != NULL;
 	default:
-		return row_of(component, command->id) != NULL;
+		return row != NULL && row_knows(row, command);
 	}
 }
 
@@ -178,6 +184,9 @@ static uint8_t run(const struct mavlink_context *context, const struct mavlink_c
 
 	if (row == NULL) {
 		return MAV_RESULT_UNSUPPORTED;
+	}
+	if (!row_knows(row, command)) {
+		return MAV_RESULT_DENIED;
 	}
 	if (row->cancel != NULL && running->command.id != 0) {
 		const bool same =

@@ -96,12 +96,15 @@ struct mavlink_reply {
  * cancel: of a command that takes time, else NULL. Its run returns IN_PROGRESS; the component's
  * step then calls mavlink_command_progress and, once, mavlink_command_done. cancel returns false
  * when it has come too late.
+ * knows: whether the command is this component's, where an id means something else to others; NULL:
+ * it always is.
  */
 struct mavlink_command_row {
 	uint16_t id;
 	uint8_t (*run)(const struct mavlink_context *context, const struct mavlink_command *command,
 	               struct mavlink_reply *reply);
 	bool (*cancel)(const struct mavlink_context *context);
+	bool (*knows)(const struct mavlink_command *command);
 };
 
 /*

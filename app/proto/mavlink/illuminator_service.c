@@ -162,7 +162,10 @@ static const struct mavlink_command_row commands[] = {
 	MAVLINK_COMMON_COMMANDS,
 	{.id = MAV_CMD_ILLUMINATOR_ON_OFF, .run = on_off},
 	{.id = MAV_CMD_DO_ILLUMINATOR_CONFIGURE, .run = configure},
-	{.id = MAV_CMD_USER_1, .run = mavlink_self_test_run, .cancel = mavlink_self_test_cancel},
+	{.id = MAV_CMD_USER_1,
+         .run = mavlink_self_test_run,
+         .cancel = mavlink_self_test_cancel,
+         .knows = mavlink_self_test_knows},
 	{.id = MAV_CMD_PREFLIGHT_STORAGE, .run = mavlink_preflight_storage},
 	{.id = MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, .run = mavlink_preflight_reboot},
 };

@@ -36,6 +36,13 @@ static bool peak_of(float wire, uint32_t *peak_ppm)
 	return true;
 }
 
+bool mavlink_self_test_knows(const struct mavlink_command *command)
+{
+	uint32_t what;
+
+	return mavlink_whole(command->param[0], UINT8_MAX, &what) && what == USER_1_SELF_TEST;
+}
+
 uint8_t mavlink_self_test_run(const struct mavlink_context *context,
                               const struct mavlink_command *command, struct mavlink_reply *reply)
 {
@@ -43,13 +50,8 @@ uint8_t mavlink_self_test_run(const struct mavlink_context *context,
 	struct mavlink_self_test *const self = &service->self_test;
 	const struct device_who who = mavlink_who(context);
 	enum self_test_state obstacle;
-	uint32_t what;
 	uint32_t peak_ppm;
 
-	/* other makers' USER_1 is something else */
-	if (!mavlink_whole(command->param[0], UINT8_MAX, &what) || what != USER_1_SELF_TEST) {
-		return command->to_all ? MAVLINK_NO_ANSWER : MAV_RESULT_DENIED;
-	}
 	if (!peak_of(command->param[1], &peak_ppm)) {
 		return MAV_RESULT_DENIED;
 	}

@@ -28,6 +28,8 @@ void mavlink_self_test_init(struct mavlink_self_test *self, struct pharos_device
 /* A row of an illuminator's commands: run and cancel, and its part of step and deadline_us. */
 uint8_t mavlink_self_test_run(const struct mavlink_context *context,
                               const struct mavlink_command *command, struct mavlink_reply *reply);
+/* Other makers' USER_1 is something else. */
+bool mavlink_self_test_knows(const struct mavlink_command *command);
 bool mavlink_self_test_cancel(const struct mavlink_context *context);
 bool mavlink_self_test_step(struct mavlink_self_test *self, const struct mavlink_context *context);
 int64_t mavlink_self_test_deadline_us(const struct mavlink_self_test *self);

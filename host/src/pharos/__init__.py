@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from .connection import MavlinkConnection, Source, Target
 from .dialect import find_dialect, load_dialect
 from .errors import (
@@ -67,3 +69,10 @@ __all__ = [
     "read_vcd",
     "update_light",
 ]
+
+
+def init(mpstate: Any) -> Any:
+    """What MAVProxy looks for in a module: `module load pharos`."""
+    from .mavproxy import LightModule
+
+    return LightModule(mpstate)

@@ -180,7 +180,7 @@ class Light:
         self.heard_us = self.connection.pacer.now_us()
         self._latest[message.get_type()] = message
         if message.get_type() == "ILLUMINATOR_STATUS":
-            self.status = _status_of(message)
+            self.status = status_of(message)
         elif message.get_type() == "STATUSTEXT":
             self.texts.append(str(message.text))
 
@@ -296,7 +296,7 @@ class Light:
 
     def fetch_status(self) -> Status:
         """A fresh status, on request."""
-        return _status_of(self._request(MESSAGE_STATUS, "ILLUMINATOR_STATUS"))
+        return status_of(self._request(MESSAGE_STATUS, "ILLUMINATOR_STATUS"))
 
     def next_status(self, timeout_us: int = 3_000_000) -> Status:
         """The next status that the light sends by itself."""
@@ -331,7 +331,7 @@ class Light:
         )
 
 
-def _status_of(message: Any) -> Status:
+def status_of(message: Any) -> Status:
     return Status(
         enable=bool(message.enable),
         mode=int(message.mode),

@@ -18,14 +18,17 @@ CHUNK = 120
 PRIORITY = 16
 # An idle tunnel is kept open by an empty Targetted after this; the light closes it after 3 s [µs].
 KEEPALIVE_US = 500_000
+# How a Targetted says that its bytes are to be read: MAVLink, of either version, or nothing at all.
 PROTOCOL_MAVLINK2 = 1
+PROTOCOLS = (0, PROTOCOL_MAVLINK2, 255)
 OPTION_LOCK = 1
 BAUD = 57600
 NODE_MAX = 125
 
 
 class TunnelLink(Link):
-    """A link to node `peer` through the tunnel. `sent` and `received` count tunnelled bytes."""
+    """A link to node `peer` through the tunnel. `sent` and `received` count tunnelled bytes,
+    `foreign` messages whose bytes are of another protocol than MAVLink."""
 
     def __init__(
         self, node: DronecanNode, peer: int, *, serial_id: int = 0, owns_port: bool = False
@@ -34,6 +37,7 @@ class TunnelLink(Link):
         self.node = node
         self.peer = peer
         self.serial_id = serial_id
+        self.foreign = 0
         self._owns_port = owns_port
         self._keepalive_us = 0
         node.subscribe(uavcan.tunnel.Targetted, self._on_targetted)
@@ -76,6 +80,9 @@ class TunnelLink(Link):
             or message.target_node != self.node.node_id
             or message.serial_id != self.serial_id
         ):
+            return
+        if message.protocol.protocol not in PROTOCOLS:
+            self.foreign += 1
             return
         data = bytes(message.buffer.to_bytes())
         if data:

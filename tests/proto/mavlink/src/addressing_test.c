@@ -375,6 +375,21 @@ ZTEST(mavlink_addressing, test_unknown_command_to_all_meets_silence)
 	zassert_equal(out.count, 1);
 }
 
+/* A self-test runs: another maker's USER_1 is still not this device's. */
+ZTEST(mavlink_addressing, test_anothers_user_1_during_a_self_test_gets_silence)
+{
+	thermal_report(THERMAL_STATE_NORMAL, THERMAL_FAULT_NONE, 25000);
+	zassert_equal(command(31010, (struct command_params){{1}}), MAV_RESULT_IN_PROGRESS);
+	receive_long(0, 0, 0, 31010, (struct command_params){{7}});
+	zassert_equal(out.count, 0);
+	zassert_equal(command(31010, (struct command_params){{7}}), MAV_RESULT_DENIED);
+	/* its own, from whoever, is */
+	receive_long(0, 0, 0, 31010, (struct command_params){{1, 50}});
+	zassert_equal(out.count, 1);
+	receive_long(0, 0, 0, 31010, (struct command_params){{1}});
+	zassert_equal(out.count, 1);
+}
+
 ZTEST(mavlink_addressing, test_ping_to_all_is_answered_to_the_asker)
 {
 	receive(0, PING_QUESTION, sizeof(PING_QUESTION));
