@@ -128,5 +128,5 @@ function(pharos_ztest)
   target_link_libraries(${ARG_NAME} PRIVATE ${ARG_LIBRARIES} native_ztest native_board
     zephyr_interface)
   add_test(NAME ${ARG_NAME} COMMAND ${ARG_NAME} --time virtual --console none)
-  set_tests_properties(${ARG_NAME} PROPERTIES TIMEOUT 120)
+  set_tests_properties(${ARG_NAME} PROPERTIES TIMEOUT 600)
 endfunction()
