@@ -131,7 +131,8 @@ struct mavlink_receiver_row {
 	void (*receive)(const struct mavlink_context *context, const struct mavlink_frame *frame);
 };
 
-struct mavlink_params; /* param_service.h */
+struct mavlink_identity; /* identity.h */
+struct mavlink_params;   /* param_service.h */
 
 struct mavlink_profile {
 	uint32_t capabilities; /* MAV_PROTOCOL_CAPABILITY beside those of every component */
@@ -150,6 +151,7 @@ struct mavlink_profile {
 	 */
 	bool (*step)(const struct mavlink_context *context);
 	int64_t (*deadline_us)(const void *service);
+	const struct mavlink_identity *(*identity)(const void *service);
 	/* What the component serves of the device's parameters; may be NULL. */
 	struct mavlink_params *(*params)(void *service);
 	/* The device has done something, on whoever's behalf; may be NULL. */

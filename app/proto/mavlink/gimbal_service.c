@@ -454,24 +454,6 @@ static uint8_t fill_information(const struct mavlink_context *context, float arg
 	return MAV_RESULT_ACCEPTED;
 }
 
-static uint8_t fill_identity(const struct mavlink_context *context, float argument, void *payload)
-{
-	const struct mavlink_gimbal *const self = context->component->service;
-
-	(void)argument;
-	mavlink_fill_identity(context, self->identity, payload);
-	return MAV_RESULT_ACCEPTED;
-}
-
-static uint8_t fill_version(const struct mavlink_context *context, float argument, void *payload)
-{
-	const struct mavlink_gimbal *const self = context->component->service;
-
-	(void)argument;
-	mavlink_fill_version(context, self->identity, payload);
-	return MAV_RESULT_ACCEPTED;
-}
-
 static const struct mavlink_message_row messages[] = {
 	MAVLINK_HEARTBEAT(HEARTBEAT_INTERVAL_US),
 	{.kind = MAVLINK_KIND(GIMBAL_DEVICE_ATTITUDE_STATUS),
@@ -483,12 +465,6 @@ static const struct mavlink_message_row messages[] = {
 	{.kind = MAVLINK_KIND(MOUNT_ORIENTATION),
          .interval_us = MAVLINK_INTERVAL_OFF,
          .fill = fill_mount},
-	{.kind = MAVLINK_KIND(COMPONENT_INFORMATION_BASIC),
-         .interval_us = MAVLINK_INTERVAL_OFF,
-         .fill = fill_identity},
-	{.kind = MAVLINK_KIND(AUTOPILOT_VERSION),
-         .interval_us = MAVLINK_INTERVAL_OFF,
-         .fill = fill_version},
 	MAVLINK_COMMON_MESSAGES,
 };
 
@@ -568,6 +544,13 @@ static void tell(const struct mavlink_context *context, const struct device_effe
 
 _Static_assert(COUNT(messages) <= MAVLINK_MESSAGES_MAX, "a stream for each message");
 
+static const struct mavlink_identity *identity(const void *service)
+{
+	const struct mavlink_gimbal *const self = service;
+
+	return self->identity;
+}
+
 const struct mavlink_profile mavlink_gimbal_profile = {
 	.capabilities = MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE,
 	.type = MAV_TYPE_GIMBAL,
@@ -580,6 +563,7 @@ const struct mavlink_profile mavlink_gimbal_profile = {
 	.system_status = system_status,
 	.step = step,
 	.deadline_us = deadline_us,
+	.identity = identity,
 	.params = params,
 	.tell = tell,
 };

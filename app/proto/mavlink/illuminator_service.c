@@ -203,24 +203,6 @@ static uint8_t fill_status(const struct mavlink_context *context, float argument
 	return MAV_RESULT_ACCEPTED;
 }
 
-static uint8_t fill_identity(const struct mavlink_context *context, float argument, void *payload)
-{
-	const struct mavlink_illuminator *const self = context->component->service;
-
-	(void)argument;
-	mavlink_fill_identity(context, self->identity, payload);
-	return MAV_RESULT_ACCEPTED;
-}
-
-static uint8_t fill_version(const struct mavlink_context *context, float argument, void *payload)
-{
-	const struct mavlink_illuminator *const self = context->component->service;
-
-	(void)argument;
-	mavlink_fill_version(context, self->identity, payload);
-	return MAV_RESULT_ACCEPTED;
-}
-
 #ifdef CONFIG_PHAROS_FTP
 static uint8_t fill_metadata(const struct mavlink_context *context, float argument, void *payload)
 {
@@ -245,12 +227,6 @@ static const struct mavlink_message_row messages[] = {
          .interval_us = STREAM_INTERVAL_US,
          .flags = MAVLINK_MESSAGE_ON_CHANGE,
          .fill = fill_status},
-	{.kind = MAVLINK_KIND(COMPONENT_INFORMATION_BASIC),
-         .interval_us = MAVLINK_INTERVAL_OFF,
-         .fill = fill_identity},
-	{.kind = MAVLINK_KIND(AUTOPILOT_VERSION),
-         .interval_us = MAVLINK_INTERVAL_OFF,
-         .fill = fill_version},
 #ifdef CONFIG_PHAROS_FTP
 	{.kind = MAVLINK_KIND(COMPONENT_METADATA),
          .interval_us = MAVLINK_INTERVAL_OFF,
@@ -450,6 +426,13 @@ static int64_t deadline_us(const void *service)
 
 _Static_assert(COUNT(messages) <= MAVLINK_MESSAGES_MAX, "a stream for each message");
 
+static const struct mavlink_identity *identity(const void *service)
+{
+	const struct mavlink_illuminator *const self = service;
+
+	return self->identity;
+}
+
 const struct mavlink_profile mavlink_illuminator_profile = {
 	.capabilities = CAPABILITIES,
 	.type = MAV_TYPE_ILLUMINATOR,
@@ -462,6 +445,7 @@ const struct mavlink_profile mavlink_illuminator_profile = {
 	.system_status = system_status,
 	.step = step,
 	.deadline_us = deadline_us,
+	.identity = identity,
 	.params = params,
 	.tell = tell,
 };

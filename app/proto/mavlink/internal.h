@@ -152,10 +152,8 @@ uint8_t mavlink_fill_message_interval(const struct mavlink_context *context, flo
                                       void *payload);
 /* The serial number's first 16 hexadecimal digits. */
 uint64_t mavlink_uid(const struct mavlink_identity *identity);
-void mavlink_fill_identity(const struct mavlink_context *context,
-                           const struct mavlink_identity *identity, void *payload);
-void mavlink_fill_version(const struct mavlink_context *context,
-                          const struct mavlink_identity *identity, void *payload);
+uint8_t mavlink_fill_identity(const struct mavlink_context *context, float argument, void *payload);
+uint8_t mavlink_fill_version(const struct mavlink_context *context, float argument, void *payload);
 void mavlink_ping(const struct mavlink_context *context, const struct mavlink_frame *frame);
 /* TIMESYNC has come to have target ids as extensions; pymavlink 2.4.50 does not know them yet. */
 #define MAVLINK_TIMESYNC_TARGET_SYSTEM    16
@@ -189,10 +187,16 @@ static inline int32_t mavlink_rounded(float value)
 	}
 
 #define MAVLINK_COMMON_MESSAGES                                                                    \
-	{.kind = MAVLINK_KIND(MESSAGE_INTERVAL),                                                   \
+	{.kind = MAVLINK_KIND(COMPONENT_INFORMATION_BASIC),                                        \
 	 .interval_us = MAVLINK_INTERVAL_OFF,                                                      \
-	 .flags = MAVLINK_MESSAGE_FIXED,                                                           \
-	 .fill = mavlink_fill_message_interval},                                                   \
+	 .fill = mavlink_fill_identity},                                                           \
+		{.kind = MAVLINK_KIND(AUTOPILOT_VERSION),                                          \
+	         .interval_us = MAVLINK_INTERVAL_OFF,                                              \
+	         .fill = mavlink_fill_version},                                                    \
+		{.kind = MAVLINK_KIND(MESSAGE_INTERVAL),                                           \
+	         .interval_us = MAVLINK_INTERVAL_OFF,                                              \
+	         .flags = MAVLINK_MESSAGE_FIXED,                                                   \
+	         .fill = mavlink_fill_message_interval},                                           \
 	{                                                                                          \
 		.kind = MAVLINK_KIND(PROTOCOL_VERSION), .interval_us = MAVLINK_INTERVAL_OFF,       \
 		.fill = mavlink_fill_protocol_version                                              \

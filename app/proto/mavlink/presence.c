@@ -96,11 +96,17 @@ static uint32_t capabilities(const struct mavlink_context *context)
 	return CAPABILITIES | context->component->profile->capabilities;
 }
 
-void mavlink_fill_identity(const struct mavlink_context *context,
-                           const struct mavlink_identity *identity, void *payload)
+static const struct mavlink_identity *identity_of(const struct mavlink_context *context)
 {
+	return context->component->profile->identity(context->component->service);
+}
+
+uint8_t mavlink_fill_identity(const struct mavlink_context *context, float argument, void *payload)
+{
+	const struct mavlink_identity *const identity = identity_of(context);
 	mavlink_component_information_basic_t *const basic = payload;
 
+	(void)argument;
 	basic->capabilities = capabilities(context);
 	basic->time_boot_ms = (uint32_t)(context->now_us / US_PER_MS);
 	basic->time_manufacture_s = identity->time_manufacture_s;
@@ -112,6 +118,7 @@ void mavlink_fill_identity(const struct mavlink_context *context,
 	                  identity->hardware_version);
 	mavlink_copy_text(basic->serial_number, sizeof(basic->serial_number),
 	                  identity->serial_number);
+	return MAV_RESULT_ACCEPTED;
 }
 
 uint64_t mavlink_uid(const struct mavlink_identity *identity)
@@ -131,14 +138,16 @@ uint64_t mavlink_uid(const struct mavlink_identity *identity)
 	return uid;
 }
 
-void mavlink_fill_version(const struct mavlink_context *context,
-                          const struct mavlink_identity *identity, void *payload)
+uint8_t mavlink_fill_version(const struct mavlink_context *context, float argument, void *payload)
 {
+	const struct mavlink_identity *const identity = identity_of(context);
 	mavlink_autopilot_version_t *const version = payload;
 
+	(void)argument;
 	version->capabilities = capabilities(context);
 	version->flight_sw_version = identity->version_code;
 	version->uid = mavlink_uid(identity);
+	return MAV_RESULT_ACCEPTED;
 }
 
 /* A question has target 0/0, an answer has the asker's ids: only questions are answered. */
