@@ -51,9 +51,12 @@ def run(*args: str, stdin: str = "") -> subprocess.CompletedProcess[str]:
 
 
 class RealLight:
-    """The light with one wire, and its control socket."""
+    """The light with one wire, and its control socket; on no bus, which others share, unless the
+    options name one."""
 
     def __init__(self, folder: Path, *options: str) -> None:
+        if "--can0" not in options:
+            options = (*options, "--can0", "none")
         self._console = (folder / "console").open("wb")
         self.process = subprocess.Popen(
             [str(BINARY), "--control", str(folder / "control"), "--console", "none", *options],

@@ -85,6 +85,25 @@ def test_each_kind_of_error_has_its_code_and_one_line(
     assert err.count("\n") == 1
 
 
+@pytest.mark.parametrize(
+    ("args", "hint"),
+    [
+        (["udpate", "x"], "'udpate' is no COMMAND; did you mean update?"),
+        (["param", "foo", "udp:1"], "'foo' is no ACTION; one of list, get"),
+        (["on"], "are required: URL\n"),
+        (["brightness", "udp:127.0.0.1:9"], "usage: pharos brightness URL PERCENT"),
+        (["files", "get", "udp:127.0.0.1:9"], "get PATH [FILE], with the URL after the first"),
+        (["status", "127.0.0.1:14550"], "udp:127.0.0.1:14550? Expected udp:"),
+        (["find", "nowhere"], "'nowhere' is no link"),
+    ],
+)
+def test_wrong_words_are_told_what_would_be_right(
+    args: list[str], hint: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert _code(*args) == 2
+    assert hint in capsys.readouterr().err
+
+
 def test_commands_of_the_command_line(light: RealLight, capsys: pytest.CaptureFixture[str]) -> None:
     assert _code("shell", light.url(), "-c", "on; brightness 40; status") == 0
     out, err = capsys.readouterr()

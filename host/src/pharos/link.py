@@ -404,6 +404,8 @@ def open_link(url: str) -> Link:
         from .tunnel import open_tunnel  # loads all DSDL definitions: only when asked for
 
         return open_tunnel(url)
+    if parse_number(rest) is not None:
+        raise UrlError(f"'{url}' says no kind of link: udp:{url}? Expected {LINK_FORMS}")
     raise UrlError(f"'{kind}' in '{url}' is no kind of link; expected {LINK_FORMS}")
 
 

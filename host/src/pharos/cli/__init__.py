@@ -4,13 +4,16 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 import io
 import logging
 import os
+import re
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from importlib.metadata import PackageNotFoundError, version
+from typing import NoReturn
 
 from ..connection import Target
 from ..errors import PharosError, UsageError
@@ -34,6 +37,23 @@ INTERRUPTED = 130
 # Commands whose first word says which of several they are: it stands before the URL.
 WITH_ACTION = ("param", "files")
 BUS_HELP = "python-can's INTERFACE/CHANNEL; default: pharos-udp, the user-space bus"
+
+
+class Parser(argparse.ArgumentParser):
+    """argparse, with what is meant instead of a list of all that could be."""
+
+    def error(self, message: str) -> NoReturn:
+        # The words of a command of the shell, which has its own say on them.
+        message = message.replace(", …", "")
+        wrong = re.fullmatch(
+            r"argument (\w+): invalid choice: '(.*)' \(choose from (.*)\)", message
+        )
+        if wrong is not None:
+            known = re.findall(r"[\w-]+", wrong[3])
+            near = difflib.get_close_matches(wrong[2], known, 1)
+            hint = f"did you mean {near[0]}?" if near else f"one of {', '.join(known)}"
+            message = f"'{wrong[2]}' is no {wrong[1]}; {hint}"
+        super().error(message)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -67,7 +87,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def make_parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser: argparse.ArgumentParser = Parser(
         prog="pharos",
         description=(
             "Talks to a Pharos light: MAVLink (shell), plain DroneCAN (can), IMC (imc);\n"
@@ -160,7 +180,7 @@ def _add_plain(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         parser.add_argument("url", metavar="URL", help="as for `pharos shell`")
         parser.add_argument("words", nargs="*", metavar="…", help=argparse.SUPPRESS)
         _add_light_options(parser)
-        parser.set_defaults(run=_run_plain, command=command)
+        parser.set_defaults(run=_run_plain, command=command, form=form)
 
 
 def _add_signing(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -489,7 +509,15 @@ def _light(args: argparse.Namespace) -> AbstractContextManager[Light]:
 
 def _run_plain(args: argparse.Namespace, printer: Printer) -> int:
     words = [args.action, *args.words] if args.command.name in WITH_ACTION else args.words
-    line = parse_words(args.command.name, words)
+    try:
+        line = parse_words(args.command.name, words)
+    except UsageError as error:
+        # As it is typed here, with a URL.
+        if args.command.name in WITH_ACTION:
+            raise UsageError(f"{error}, with the URL after the first of these words") from None
+        form = f"usage: pharos {args.command.name} {args.form}"
+        text = str(error).replace(f"usage: {args.command.usage}", form)
+        raise UsageError(text) from None
     with _light(args) as light:
         return Shell(light, printer).run(line)
 

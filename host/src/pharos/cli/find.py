@@ -5,13 +5,15 @@ from __future__ import annotations
 
 import argparse
 
-from ..errors import PharosError, SilentError
+from ..errors import PharosError, SilentError, UrlError
 from ..find import find_lights, usual_places
 from .shell import Printer
 
 
 def run_find(args: argparse.Namespace, printer: Printer) -> int:
     def skip(place: str, error: PharosError) -> None:
+        if isinstance(error, UrlError):
+            raise error
         if args.places or args.verbose:
             printer.error(error, place)
 

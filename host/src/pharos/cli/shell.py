@@ -418,7 +418,7 @@ COMMANDS: dict[str, Command] = {
     for command in (
         Command("on", "switch the lamp on", _switch("on", Light.on)),
         Command("off", "switch the lamp off", _switch("off", Light.off)),
-        Command("brightness PERCENT", "0 … 100", _parse_brightness),
+        Command("brightness PERCENT", "dim the lamp: 0 … 100 %", _parse_brightness),
         Command(
             "strobe PERIOD [DUTY] | off",
             "flash: 0.5, 500ms or 2Hz, lit for DUTY % of it; off: steady",
