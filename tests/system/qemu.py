@@ -309,7 +309,7 @@ class QemuSimulator(Simulator):
         self._idle = at + len(BARRIER)
         self._debugger.go(None)
 
-    def _advance_once(self, us: int) -> None:
+    def _advance_once(self, us: int, *also: tuple[str, dict[str, Any]]) -> list[dict[str, Any]]:
         assert self._debugger is not None
         self._now_us += us
         until = self._now_us * self._machine.cycles_per_us
@@ -329,6 +329,7 @@ class QemuSimulator(Simulator):
                 pass
         came = [a.port.received - received[name] for name, a in self._attached.items()]
         self._pace(us, max(came, default=0))
+        return [{}, *(self.request(op, **fields) for op, fields in also)]
 
     def _timer(self, first: int) -> list[tuple[int, int]]:
         """Sets the timer, which a reset stops: in that many cycles, and at each tick from then."""

@@ -74,7 +74,7 @@
 #define MAVLINK_GIMBAL_POSITION_HZ     2
 
 /* Signing: senders that are followed at once, and how often the timestamp is stored. */
-#define MAVLINK_SIGNING_STREAMS_MAX 16
+#define MAVLINK_SIGNING_STREAMS_MAX 32
 #define MAVLINK_SIGNING_STORE_S     50
 
 /* Routing: senders whose link is known, the silence after which they may have moved, and after

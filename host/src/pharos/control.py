@@ -30,22 +30,31 @@ class ControlClient:
 
     def request(self, op: str, **fields: Any) -> dict[str, Any]:
         """The reply's fields. RefusedError if it says so; SimulatorError if none comes."""
-        request = {"op": op, "id": self._next_id, **fields}
-        self._next_id += 1
-        line = json.dumps(request, separators=(",", ":"))
-        self.journal.append(line)
+        return self.requests((op, fields))[0]
+
+    def requests(self, *requests: tuple[str, dict[str, Any]]) -> list[dict[str, Any]]:
+        """Several ones that are sent ahead: one exchange with the light, whose replies are as
+        request()'s. All of them are carried out, whichever is refused."""
+        first = self._next_id
+        self._next_id += len(requests)
+        lines = [
+            json.dumps({"op": op, "id": first + index, **fields}, separators=(",", ":"))
+            for index, (op, fields) in enumerate(requests)
+        ]
+        self.journal += lines
         try:
-            self._socket.sendall(line.encode() + b"\n")
-            reply = json.loads(self._line())
+            self._socket.sendall(("\n".join(lines) + "\n").encode())
+            replies = [json.loads(self._line()) for _ in lines]
         except TimeoutError as error:
-            raise SimulatorError(f"no reply to {line} within {REPLY_TIMEOUT_S:g} s") from error
+            raise SimulatorError(f"no reply to {lines} within {REPLY_TIMEOUT_S:g} s") from error
         except (OSError, ValueError) as error:
-            raise SimulatorError(f"the light broke off at {line}: {error}") from error
-        if reply.get("id", request["id"]) != request["id"]:
-            raise SimulatorError(f"reply to another request than {line}: {reply}")
-        if not reply.get("ok"):
-            raise RefusedError(str(reply.get("error", "refused without a reason")))
-        return dict(reply)
+            raise SimulatorError(f"the light broke off at {lines}: {error}") from error
+        for index, (line, reply) in enumerate(zip(lines, replies, strict=True)):
+            if reply.get("id", first + index) != first + index:
+                raise SimulatorError(f"reply to another request than {line}: {reply}")
+            if not reply.get("ok"):
+                raise RefusedError(str(reply.get("error", "refused without a reason")))
+        return [dict(reply) for reply in replies]
 
     def _line(self) -> bytes:
         while b"\n" not in self._buffer:

@@ -220,10 +220,13 @@ class Simulator:
     # --- control ------------------------------------------------------------------------------
     def request(self, op: str, **fields: Any) -> dict[str, Any]:
         """One control request; the reply. RefusedError if the light refuses it."""
+        return self._requests((op, fields))[0]
+
+    def _requests(self, *requests: tuple[str, dict[str, Any]]) -> list[dict[str, Any]]:
         if self._control is None:
             raise SimulatorError("the light was not started")
         try:
-            return self._control.request(op, **fields)
+            return self._control.requests(*requests)
         except RefusedError:
             raise
         except SimulatorError as error:
@@ -236,18 +239,26 @@ class Simulator:
     def advance(self, us: int = 0, *, s: float = 0.0) -> int:
         """Lets `us` (or `s` seconds) pass; all that the light sent lies in the links' inboxes.
         Returns board time. Advancing by 0 lets the light deal with what was sent to it."""
-        left = us + round(s * 1e6)
-        if not self._attached:
-            self._advance_once(left)
-            return self._now_us
+        self._advance(us + round(s * 1e6))
+        return self._now_us
+
+    def observe(self, us: int = 0) -> tuple[dict[str, Any], list[Edge]]:
+        """advance(), then outputs() and edges(), in one exchange with the light: a third of the
+        time for who looks at each step."""
+        _, outputs, edges = self._advance(us, ("outputs", {}), ("edges", {"max": EDGES_MAX}))
+        return outputs, self._edges(edges)
+
+    def _advance(self, us: int, *also: tuple[str, dict[str, Any]]) -> list[dict[str, Any]]:
+        """also: requests that go along with the last step; all replies of that."""
+        left = us
         while True:
             for client in chain.from_iterable(self._clients.values()):
                 client.keep_alive()
-            step = min(left, self._chunk_us, self._until_due())
-            self._advance_once(step)
+            step = min(left, self._chunk_us, self._until_due()) if self._attached else left
             left -= step
             if left <= 0:
-                return self._now_us
+                return self._advance_once(step, *also)
+            self._advance_once(step)
 
     def pump(self, us: int) -> None:
         """Pacer: lets exactly `us` pass."""
@@ -259,13 +270,14 @@ class Simulator:
         steps = (attached.port.step(now) for attached in self._attached.values())
         return min((max(due - now, 0) for due in steps if due is not None), default=CHUNK_MAX_US)
 
-    def _advance_once(self, us: int) -> None:
+    def _advance_once(self, us: int, *also: tuple[str, dict[str, Any]]) -> list[dict[str, Any]]:
         due = {
             name: attached.rx_before + attached.port.sent
             for name, attached in self._attached.items()
             if attached.port.sent
         }
-        reply = self.request("advance", us=us, **({"await": due} if due else {}))
+        replies = self._requests(("advance", {"us": us} | ({"await": due} if due else {})), *also)
+        reply = replies[0]
         self._now_us = int(reply["now_us"])
         most = 0
         for name, (_, sent) in self._totals(reply).items():
@@ -280,6 +292,7 @@ class Simulator:
             except Exception as error:
                 raise SimulatorError(f"{name}: {error}{self.replay()}") from error
         self._pace(us, most)
+        return replies
 
     def _pace(self, us: int, count: int) -> None:
         """Chooses the next chunk so that about CHUNK_BYTES come in it."""
@@ -309,14 +322,18 @@ class Simulator:
     def edges(self) -> list[Edge]:
         """Changes of the lamp's output since the last call, oldest first. SimulatorError if there
         were more than the light keeps."""
+        return self._edges(self.request("edges", max=EDGES_MAX))
+
+    def _edges(self, reply: dict[str, Any]) -> list[Edge]:
+        """Those of a reply, and of what it leaves to be asked for."""
         edges: list[Edge] = []
         while True:
-            reply = self.request("edges", max=EDGES_MAX)
             if reply["lost"]:
                 raise SimulatorError(f"{reply['lost']} edges were not fetched in time")
             edges += [Edge(int(t), int(level)) for t, level in reply["edges"]]
             if not reply["more"]:
                 return edges
+            reply = self.request("edges", max=EDGES_MAX)
 
     def skip_edges(self) -> None:
         """The next edges() reports what changes from now on."""

@@ -31,7 +31,9 @@ def run_seed(seed: int, binary: Path = BINARY) -> Outcome:
         return Outcome(seed, [traceback.format_exc(limit=-3)])
 
 
-def run_chunk(seeds: list[int]) -> list[Outcome]:
+def run_chunk(seeds: list[int], build: str) -> list[Outcome]:
+    if build_of() != build:  # it changed under the worker
+        raise RuntimeError("this worker's build is not the campaign's any more")
     return [run_seed(seed) for seed in seeds]
 
 
@@ -116,8 +118,9 @@ def run_on(address: str, seeds: Iterable[int]) -> Iterator[Outcome]:
     else:
         cluster = address
     with Client(cluster) as client:
-        client.register_plugin(SameBuild(build_of()))
-        tasks = client.map(run_chunk, list(_chunks(seeds)), pure=False, retries=3)
+        build = build_of()
+        client.register_plugin(SameBuild(build))
+        tasks = client.map(run_chunk, list(_chunks(seeds)), build=build, pure=False, retries=3)
         for _, outcomes in as_completed(tasks, with_results=True):
             yield from outcomes
     if not isinstance(cluster, str):

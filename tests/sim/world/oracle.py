@@ -16,11 +16,16 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
+from gimbal_oracle import GimbalOracle
+
 ACCEPTED = 0
 TEMPORARILY_REJECTED = 1
 DENIED = 2
 UNSUPPORTED = 3
 FAILED = 4
+
+ON_OFF = 405
+CONFIGURE = 406
 
 INTERNAL = 1
 # Whom a MAVLink 1 COMMAND_ACK is for: it has no such fields.
@@ -36,6 +41,7 @@ SLEW_PER_S = 0.1
 # A sample is at most 0.1 s old and the sensor's noise small; the world looks every 0.25 s.
 SENSOR_ERROR_C = 1.5
 SETTLE_US = 500_000
+LOOK_US = 250_000
 
 ACK_US = 500_000
 # What has not been answered by then is not under way any more.
@@ -45,6 +51,12 @@ HEAL_US = 3_500_000
 # What a light may say on one wire, without being asked for lists or files [bytes/s].
 TRAFFIC_MAX = 4_000
 LOSS_US = 5_000_000
+LOSS_ERROR_US = 1_000_000
+# A converter that fails is known to by then.
+CHIP_US = 1_500_000
+# A node with the light's id is told of, and forgotten.
+CLASH_US = 4_000_000
+CLASH_OVER_US = 12_000_000
 # A change is stored when it has stood for a second; one that goes on changing, after 30 s.
 STORE_US = 32_000_000
 
@@ -73,6 +85,9 @@ class Lamp:
         return all(a == b or (self.kept and abs(a - b) < error) for a, b, error in pairs)
 
 
+# docs/parameters.md: the beacon by default.
+BEACON = Lamp(enable=True, brightness=100.0, period=1.0, duty=10.0)
+
 Effect = Callable[[Lamp], Lamp]
 
 
@@ -84,6 +99,13 @@ def configured(brightness: float, period: float, duty: float, mode: int) -> Effe
     return lambda lamp: replace(
         lamp, brightness=brightness, period=period, duty=duty, mode=mode, kept=False
     )
+
+
+def dimmed(value: int) -> Effect:
+    """IMC's SetLedBrightness: 0 is off and keeps the brightness, else that share of 255."""
+    if value == 0:
+        return turned(False)
+    return lambda lamp: replace(lamp, enable=True, brightness=value / 2.55, kept=True)
 
 
 def nothing(lamp: Lamp) -> Lamp:
@@ -110,6 +132,7 @@ class Sent:
     results: frozenset[int]
     at_us: int
     sure: bool
+    is_far: bool = False  # over other lights: it may be obeyed after what was sent later
     late_told: bool = False
 
 
@@ -136,8 +159,14 @@ class Circumstances:
     stalled_us: int | None = None
     wire_faulty: bool = False
     bus_faulty: bool = False
+    bus_us: int = 0
+    chip: str = "none"
+    chip_us: int = 0
+    adc_us: int = 0
+    clash: bool = False
+    clash_us: int = -CLASH_OVER_US
     heard_us: int | None = None  # last sign of life that counts; None: none since the reset
-    may_be_heard_us: int = 0  # last sign of life that perhaps arrived
+    may_be_heard_us: int = -SETTLE_US  # last sign of life that perhaps arrived
     up_us: int = 0
 
 
@@ -160,7 +189,8 @@ class Oracle:
         self._hottest: deque[tuple[int, float]] = deque()
         self._latched_us: int | None = None
         self._steady_us = 0  # since when the set of possible states is the same
-        self._traffic: deque[tuple[int, int]] = deque()
+        self._traffic: dict[str, deque[tuple[int, int]]] = {}
+        self.gimbal = GimbalOracle(self._broken)
         self._edges: deque[tuple[int, int]] = deque(maxlen=8)
         self._level = 0
 
@@ -184,6 +214,28 @@ class Oracle:
             self.tally.unanswered += 1
             self._changed(now_us)
 
+        self._fall_back(now_us)
+
+    def _fall_back(self, now_us: int) -> None:
+        """Silence of all commanders is a command of its own; when it was heard is known to a
+        second, or not at all."""
+        around = self.around
+        if not self.fallback or around.may_be_heard_us < around.up_us - LOOK_US:
+            return
+        fallen = {
+            BEACON if self.fallback == "loss-beacon" else replace(state, enable=False)
+            for state in self.certain
+        }
+        if now_us - around.may_be_heard_us > LOSS_US + LOSS_ERROR_US:
+            changed = fallen
+        elif self._may_be_lost(now_us):
+            changed = self.certain | fallen
+        else:
+            return
+        if changed != self.certain:
+            self.certain = changed
+            self._changed(now_us)
+
     def _changed(self, now_us: int) -> None:
         self._steady_us = now_us
         self.history.append((now_us, frozenset(self.possible())))
@@ -199,46 +251,56 @@ class Oracle:
         if authorised:
             self.pending.append(one)
             self._changed(one.at_us)
-            self.life(one.at_us, one.sure)
+            self.life(one.at_us, False)  # a sign of life for sure once it is accepted
 
-    def switched(self, now_us: int, on: bool, sure: bool) -> None:
+    def switched(self, now_us: int, effect: Effect) -> None:
         """By a protocol without answers."""
-        changed = {turned(on)(state) for state in self.possible()}
         self._settle(now_us)
+        self.life(now_us, False)
+        changed = {effect(state) for state in self.possible()}
         self.certain = changed | self.possible()
         self.pending.clear()
         self._changed(now_us)
-        self.life(now_us, sure)
 
     def life(self, now_us: int, sure: bool) -> None:
-        """A sign of life of a commander."""
-        self.around.may_be_heard_us = now_us
+        """A sign of life of a commander. One that comes in the instant of the loss may be late."""
+        self._fall_back(now_us)
+        self.around.may_be_heard_us = max(now_us, self.around.may_be_heard_us)
         if sure:
             self.around.heard_us = now_us
 
     # --- what came ----------------------------------------------------------------------------
     def acknowledged(self, now_us: int, to: tuple[int, int], command: int, result: int) -> None:
+        self._fall_back(now_us)
         # Answers come at once: it is the last such command's. Those before it were lost, or theirs.
         for index in reversed(range(len(self.pending))):
             one = self.pending[index]
             if one.command == command and to in (one.sender, NOBODY):
                 break
         else:
-            late = any(one.command == command and to in (one.sender, NOBODY) for one in self.spent)
-            if not late or not self._was_disturbed(now_us):
+            late = [
+                one for one in self.spent if one.command == command and to in (one.sender, NOBODY)
+            ]
+            # over others it may come after a reset
+            is_far = any(one.is_far and one.at_us <= self.around.up_us for one in late)
+            if not is_far and (not late or not self._was_disturbed(now_us)):
                 self._broken(now_us, f"an ACK of {command} to {to} that nobody waits for")
             return
         if result not in one.results and not (result == FAILED and self._may_fail(now_us)):
             self._broken(now_us, f"command {command} of {to} was answered with {result}")
-        before = self._closure(self.certain, self.pending[:index])
+        earlier = self.pending[:index]
+        before = self._closure(self.certain, earlier)
         if result == ACCEPTED:
             self.tally.accepted += 1
-            before = {one.effect(state) for state in before}
+            if command in (ON_OFF, CONFIGURE):
+                self.life(max(one.at_us, self.around.heard_us or 0), True)
+            obeyed = {one.effect(state) for state in before}
+            before = before | obeyed if one.is_far else obeyed
         else:
             self.tally.refused += 1
         self.certain = before
-        self.spent.extend(self.pending[: index + 1])
-        del self.pending[: index + 1]
+        self.spent += [*(each for each in earlier if not each.is_far), one]
+        self.pending[: index + 1] = [each for each in earlier if each.is_far]
         self._changed(now_us)
 
     def _was_disturbed(self, now_us: int) -> bool:
@@ -257,7 +319,7 @@ class Oracle:
         self._settle(now_us)
         possible = self.possible()
         fitting = {state for state in possible if state.shows_as(said)}
-        if not fitting and not self._may_have_fallen_back(now_us, said, possible):
+        if not fitting:
             shown = "; ".join(str(state) for state in sorted(possible, key=str)[:3])
             self._broken(now_us, f"the status says {said}, and nobody commanded that: {shown}")
             self.certain, self.pending = {said}, []
@@ -267,21 +329,27 @@ class Oracle:
         if math.isnan(message.temp_c) and self._is_healthy(now_us):
             self._broken(now_us, "the sensor is well, and the status has no temperature")
 
-    def _may_have_fallen_back(self, now_us: int, said: Lamp, possible: set[Lamp]) -> bool:
-        """A fallback changes what the lamp does; whether it shows in the settings is its own."""
-        if not self.fallback or not self._may_be_lost(now_us):
-            return False
-        return any(
-            said in (replace(p, enable=False), replace(said, enable=said.enable)) for p in possible
-        )
+    def traffic(self, now_us: int, wire: str, size: int, most: int = 5 * TRAFFIC_MAX) -> None:
+        """most: in 5 s."""
+        recent = self._traffic.setdefault(wire, deque())
+        recent.append((now_us, size))
+        while recent and now_us - recent[0][0] > 5_000_000:
+            recent.popleft()
+        if sum(size for _, size in recent) > most:
+            self._broken(now_us, f"more than {most} in 5 s on {wire}")
+            recent.clear()
 
-    def traffic(self, now_us: int, size: int) -> None:
-        self._traffic.append((now_us, size))
-        while self._traffic and now_us - self._traffic[0][0] > 5_000_000:
-            self._traffic.popleft()
-        if sum(size for _, size in self._traffic) > 5 * TRAFFIC_MAX:
-            self._broken(now_us, "more than 20 kB in 5 s on one wire")
-            self._traffic.clear()
+    def node_health(self, now_us: int, health: int) -> None:
+        """NodeStatus: WARNING (1) while another node has the light's id, and no light is no
+        warning but an error (2)."""
+        around = self.around
+        for_us = now_us - max(around.clash_us, around.bus_us, around.healthy_us)
+        if around.bus_faulty or around.stalled_us is not None:
+            return
+        if around.clash and for_us > CLASH_US and health == 0:
+            self._broken(now_us, "another node has its id, and its health is OK")
+        if not around.clash and for_us > CLASH_OVER_US and health == 1:
+            self._broken(now_us, "nobody has its id any more, and its health is WARNING")
 
     # --- what the board does ------------------------------------------------------------------
     def reset_expected(self, now_us: int) -> None:
@@ -299,8 +367,16 @@ class Oracle:
             self._hottest.popleft()
         level = int(outputs["level_ppm"]) / 1e6
         self._check_heat(now_us, level, temp_c)
+        self._check_chip(now_us, level)
         self._check_level(now_us, level)
         self._check_answers(now_us)
+        servos = outputs["servos"]
+        is_at = (servos["pan"]["angle_mdeg"] / 1000, servos["tilt"]["angle_mdeg"] / 1000)
+        self.gimbal.sample(now_us, is_at, self.around.stalled_us is None)
+
+    def look_again(self, now_us: int, outputs: dict[str, Any]) -> None:
+        """After what came: a command that was accepted is in force."""
+        self._check_level(now_us, int(outputs["level_ppm"]) / 1e6)
 
     def _restarted(self, now_us: int, resets: int, cause: str) -> None:
         came = resets - self.resets_seen
@@ -315,6 +391,8 @@ class Oracle:
         self.around.healthy_us = now_us
         self.around.heard_us = None
         self._latched_us = None
+        self.gimbal.restarted(now_us)
+        self.spent += self.pending
         self.pending.clear()
         kept = self._stored(now_us) if self.restore else {Lamp()}
         self.certain = kept
@@ -337,9 +415,13 @@ class Oracle:
         around = self.around
         return (
             around.sensor == "none"
+            and around.chip == "none"
             and around.stalled_us is None
-            and now_us - max(around.healthy_us, around.sensor_us) > HEAL_US
+            and now_us - self._disturbed_us() > HEAL_US
         )
+
+    def _disturbed_us(self) -> int:
+        return max(self.around.healthy_us, self.around.sensor_us, self.around.chip_us)
 
     def _limit(self, temp_c: float) -> float:
         """The most that heat allows, with the sensor's error on the light's side."""
@@ -356,7 +438,8 @@ class Oracle:
         lasted = now_us - self._hottest[0][0] >= SETTLE_US // 2
         sensor = self.around.sensor
         failed_for = now_us - self.around.sensor_us
-        if sensor == "none" and failed_for > HEAL_US and lasted:
+        sees = self.around.chip != "adc" and now_us - self.around.adc_us > HEAL_US
+        if sensor == "none" and failed_for > HEAL_US and lasted and sees:
             if level > self._limit(coolest) + 0.01:
                 self._broken(now_us, f"at {temp_c:.1f} degC the level is {level:.3f}")
             if coolest - SENSOR_ERROR_C >= SHUTDOWN_C:
@@ -366,33 +449,32 @@ class Oracle:
                     self._latched_us = None
                 elif level > 0.0 and now_us > self._latched_us:
                     self._broken(now_us, f"lit at {temp_c:.1f} degC after a shutdown")
-        if sensor in ("open", "short") and failed_for > SETTLE_US:
+        if sensor in ("open", "short") and failed_for > SETTLE_US and sees:
             most = SAFE if sensor == "open" else 0.0
             if level > most + 1e-6:
                 self._broken(now_us, f"the sensor is {sensor}, and the level is {level:.3f}")
 
+    def _check_chip(self, now_us: int, level: float) -> None:
+        """A lamp that cannot be written is as it was, until it is written: then dark. Neither is
+        brighter than was commanded, which is looked at anyhow."""
+        around = self.around
+        known = now_us - max(around.chip_us, around.up_us) > CHIP_US
+        if around.chip == "adc" and known and level > SAFE + 1e-6:
+            self._broken(now_us, f"no temperature can be read, and the level is {level:.3f}")
+
     def _may_be_lost(self, now_us: int) -> bool:
         """Whether the light may think that every commander is silent."""
         heard = self.around.heard_us
-        return bool(self.fallback) and (heard is None or now_us - heard >= LOSS_US - 1_000_000)
+        return bool(self.fallback) and (heard is None or now_us - heard >= LOSS_US - LOSS_ERROR_US)
 
     def _check_level(self, now_us: int, level: float) -> None:
         possible = self.possible()
-        lost = self._may_be_lost(now_us) and self.around.may_be_heard_us > self.around.up_us
-        beacon = self.fallback == "loss-beacon" and lost
-        if level > 0.0 and not beacon:
+        if level > 0.0:
             lit = [state for state in possible if state.enable]
             if not lit:
                 self._broken(now_us, "lit, and nobody has switched it on")
             elif level > max(state.brightness for state in lit) / 100.0 + 1e-5:
                 self._broken(now_us, f"level {level:.3f} is more than was commanded")
-        if (
-            self.fallback == "loss-off"
-            and level > 0.0
-            and self.around.may_be_heard_us > self.around.up_us
-            and now_us - self.around.may_be_heard_us > LOSS_US + 1_000_000
-        ):
-            self._broken(now_us, "every commander is silent, and the lamp is lit")
         if level == 0.0 and self._must_be_lit(now_us, possible):
             self._broken(now_us, "dark, and it was commanded on")
 
@@ -450,7 +532,8 @@ class Oracle:
             or state.mode != INTERNAL
             or state.period == 0.0
             or not 0.0 < state.duty < 100.0
-            or begun - max(self.around.healthy_us, self.around.sensor_us) < HEAL_US
+            or begun - self._disturbed_us() < HEAL_US
+            or self.around.chip != "none"
             or self._may_be_lost(now_us)
             or max(temp for _, temp in self._hottest) > RECOVER_C - SENSOR_ERROR_C
         ):

@@ -12,6 +12,8 @@ ON_OFF = 405
 CONFIGURE = 406
 REQUEST_MESSAGE = 512
 STATUS = 440
+MOUNT = 205  # MAV_CMD_DO_MOUNT_CONTROL
+REBOOT = 246  # MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN
 LIGHT = (1, 243)
 
 
@@ -25,6 +27,7 @@ class Party:
         self.address = (system, component)
         self.key = key
         self.version = version
+        self.later_us = 0  # its clock is so far ahead of the world's
         self._codec = dialect.MAVLink(None, system, component)
         if key is not None:
             self._codec.signing.secret_key = key
@@ -34,7 +37,7 @@ class Party:
     def frame(self, message: Any, now_us: int) -> bytes:
         if self.key is not None:
             signing = self._codec.signing
-            signing.timestamp = max(signing.timestamp, STAMP + now_us // 10)
+            signing.timestamp = max(signing.timestamp, STAMP + (now_us + self.later_us) // 10)
         raw = bytes(message.pack(self._codec, force_mavlink1=self.version == 1))
         self._codec.seq = (self._codec.seq + 1) % 256
         return raw

@@ -25,8 +25,12 @@ FEATURES = (
     "loss-off",  # silence of all commanders puts the lamp out
     "loss-beacon",  # or lights a beacon
     "can",  # a DroneCAN node that switches the light
-    "exclusion",  # DroneCAN may not command
-    "ring",  # two lights that forward, joined by two UARTs
+    "nodes",  # others on that bus, who say much that is for others
+    "imc",  # an IMC peer that switches and dims the light
+    "exclusion",  # DroneCAN and IMC may not command
+    "gimbal",  # is pointed
+    "ring",  # two lights that forward, joined by two UARTs each
+    "many",  # three or four of them
     "two-stations",
     "version-1",  # a station that speaks MAVLink 1
 )
@@ -43,8 +47,11 @@ FAULTS = (
     "garbage",  # bytes that are no frames, halves of frames
     "attacker",  # has no key; without a key to protect it, only a nuisance
     "bus",  # a CAN bus that loses frames, or goes off
+    "clash",  # another node on it has the light's id
+    "chip",  # a converter, a timer or a port answers with errors
+    "time",  # power comes back days or years later
 )
-NEEDS = {"exclusion": "can", "bus": "can"}
+NEEDS = {"exclusion": "can", "nodes": "can", "bus": "can", "clash": "can", "many": "ring"}
 EXCLUDE_EACH_OTHER = (("loss-off", "loss-beacon"), ("key", "version-1"))
 
 THREADS = ("thermal", "command", "uart_link0")
@@ -74,11 +81,17 @@ class Plan:
 
     @property
     def lights(self) -> int:
-        return 2 if "ring" in self.features else 1
+        return _lights(self.seed, self.features)
 
     def only(self, indices: Iterable[int]) -> Plan:
         """The same world with these actions only."""
         return replace(self, actions=tuple(self.actions[i] for i in sorted(indices)))
+
+
+def _lights(seed: int, features: Iterable[str]) -> int:
+    if "many" in features:
+        return 3 + seed % 2
+    return 2 if "ring" in features else 1
 
 
 def f32(value: float) -> float:
@@ -112,6 +125,7 @@ BAD_SETTINGS = (
 class _Draw:
     def __init__(self, seed: int) -> None:
         self.rng = random.Random(seed)
+        self.seed = seed
         self.features = self._some(FEATURES)
         self.faults = self._some(FAULTS) or {self.rng.choice(FAULTS)}
         for pair in EXCLUDE_EACH_OTHER:
@@ -132,8 +146,8 @@ class _Draw:
 
     def add(self, verb: str, *args: float | int | str, at_us: int | None = None) -> int:
         when = self.rng.randrange(2 * SECOND_US, self.duration_us) if at_us is None else at_us
-        lights = 2 if "ring" in self.features else 1
-        self.actions.append(Action(when, verb, args, self.rng.randrange(lights)))
+        light = self.rng.randrange(_lights(self.seed, self.features))
+        self.actions.append(Action(when, verb, args, light))
         return when
 
     def until(
@@ -170,9 +184,25 @@ class _Draw:
                 self.add("unknown", station, rng.choice((400, 31000, 65535)))
             else:
                 self.add("status", station)
+
+    def others(self) -> None:
+        """Commands of the features that bring their own."""
+        rng = self.rng
         if "can" in self.features:
             for _ in range(rng.randrange(1, 8)):
                 self.add("hardpoint", rng.randrange(2))
+        if "nodes" in self.features:
+            for _ in range(rng.randrange(1, 6)):
+                self.add("chatter", rng.randrange(1 << 30), rng.randrange(20, 200))
+        if "imc" in self.features:
+            for _ in range(rng.randrange(1, 8)):
+                self.add("led", rng.choice((0, 1, 51, 128, 255)))
+        if "gimbal" in self.features:
+            for _ in range(rng.randrange(2, 10)):
+                self.add("point", rng.randrange(-40, 41), rng.randrange(-40, 41))
+        if "ring" in self.features:
+            for _ in range(rng.randrange(1, 10)):
+                self.add("far", rng.randrange(2))
 
     def trouble(self) -> None:
         rng = self.rng
@@ -185,7 +215,8 @@ class _Draw:
         self.until("wire", (kind, rng.choice((1_000, 10_000, 100_000))), ("none", 0), 10)
 
     def _heat(self, rng: random.Random) -> None:
-        self.until("ambient", (rng.choice((60, 85, 110, 140)),), (25,), 30)
+        # of housing and sun; its 60 J/K take a minute to follow, so it burns, and then it freezes
+        self.until("ambient", (rng.choice((85, 200, 300)),), (rng.choice((25, -100)),), 30)
 
     def _fan(self, rng: random.Random) -> None:
         self.until("fan", (0,), (1,), 30)
@@ -210,13 +241,28 @@ class _Draw:
     def _garbage(self, rng: random.Random) -> None:
         self.add("garbage", rng.randrange(1 << 30), rng.randrange(1, 400))
         self.add("half", rng.randrange(1, 40))
+        if "ring" in self.features:
+            self.add("strangers", rng.randrange(30, 60))
 
     def _attacker(self, rng: random.Random) -> None:
         for _ in range(rng.randrange(1, 12)):
             self.add(
                 "attack",
                 rng.choice(
-                    ("on", "off", "autopilot", "setup", "replay", "parameter", "reboot", "station")
+                    (
+                        "on",
+                        "off",
+                        "autopilot",
+                        "setup",
+                        "replay",
+                        "parameter",
+                        "reboot",
+                        "station",
+                        "point",
+                        "status",
+                        "other-key",
+                        "imc",
+                    )
                 ),
             )
 
@@ -226,11 +272,21 @@ class _Draw:
         else:
             self.add("bus", "bus-off", rng.randrange(0, 2 * SECOND_US))
 
+    def _clash(self, rng: random.Random) -> None:
+        self.until("clash", (1,), (0,), 25)
+
+    def _chip(self, rng: random.Random) -> None:
+        self.until("chip", (rng.choice(("adc", "pwm", "gpio")),), ("none",), 10)
+
+    def _time(self, rng: random.Random) -> None:
+        self.add("later", rng.choice((60, 3600, 86_400, 40 * 86_400, 3 * 365 * 86_400)))
+
 
 def draw(seed: int) -> Plan:
     """The plan of a seed; always the same."""
     drawn = _Draw(seed)
     drawn.commands()
+    drawn.others()
     drawn.trouble()
     return Plan(
         seed,

@@ -6,14 +6,18 @@ from __future__ import annotations
 import itertools
 import os
 import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from distributed import Client, LocalCluster
 
-from campaign import BINARY, build_of, run, run_seed
+from campaign import BINARY, ROOT, build_of, run, run_seed
+from gimbal_oracle import GimbalOracle
 from oracle import ACCEPTED, Lamp, Oracle, Sent, configured, turned
 from plan import FAULTS, FEATURES, SHORTEST_S, Action, Plan, draw
+from seeded import Bug, all_bugs
 from shrink import shrink
 from workers import SameBuild
 from world import World
@@ -100,6 +104,57 @@ def test_who_is_not_authorised_changes_nothing() -> None:
     assert oracle.possible() == {Lamp()}
 
 
+def test_silence_is_a_command_of_its_own() -> None:
+    oracle = Oracle(key=False, restore=False, fallback="loss-off")
+    oracle.certain = {Lamp(enable=True)}
+    oracle.life(10 * SECOND, True)
+    for seconds, expected in (
+        (13, {Lamp(enable=True)}),
+        (15, {Lamp(enable=True), Lamp()}),  # when it was heard is known to a second
+        (17, {Lamp()}),
+    ):
+        oracle.acknowledged(seconds * SECOND, SENDER, 1, ACCEPTED)
+        assert oracle.possible() == expected
+
+
+def test_what_goes_over_other_lights_may_be_obeyed_later() -> None:
+    oracle = Oracle(key=False, restore=False, fallback="")
+    results = frozenset({ACCEPTED})
+    far = Sent((200, 190), 405, turned(True), results, 10 * SECOND, sure=False, is_far=True)
+    oracle.sent(far, authorised=True)
+    _sent(oracle, 10 * SECOND, False)
+    oracle.acknowledged(10 * SECOND, SENDER, 405, ACCEPTED)
+    assert oracle.possible() == {Lamp(), Lamp(enable=True)}
+    oracle.acknowledged(10 * SECOND, (200, 190), 405, ACCEPTED)
+    assert oracle.possible() == {Lamp(), Lamp(enable=True)}
+    oracle.acknowledged(10 * SECOND, (200, 190), 405, ACCEPTED)
+    assert len(oracle.violations) == 1, "acknowledged twice"
+
+
+def test_a_gimbal_is_where_it_may_have_been_pointed() -> None:
+    told: list[str] = []
+    gimbal = GimbalOracle(lambda _now, what: told.append(what))
+    gimbal.sample(5 * SECOND, (0.0, 0.0), True)
+    gimbal.sent(5 * SECOND, (30.0, -10.0))
+    gimbal.sample(10 * SECOND, (0.0, 0.0), True)
+    gimbal.sample(10 * SECOND, (30.0, -10.0), True)
+    assert told == []
+    gimbal.acknowledged(10 * SECOND, True)
+    gimbal.sample(15 * SECOND, (0.0, 0.0), True)
+    assert len(told) == 1
+
+
+# --- seeded bugs ----------------------------------------------------------------------------------
+@pytest.mark.parametrize("bug", all_bugs(), ids=lambda bug: str(bug.name))
+def test_a_seeded_bug_still_applies_to_the_tree(bug: Bug) -> None:
+    assert bug.what
+    assert bug.breaks
+    assert 0 < bug.within <= 1000
+    command = ["git", "apply", "--check", str(bug.path)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
 # --- many -----------------------------------------------------------------------------------------
 def test_what_goes_wrong_in_a_run_is_told_as_a_failure() -> None:
     outcome = run_seed(1, Path("/nowhere/pharos"))
@@ -129,3 +184,24 @@ def test_a_worker_with_another_build_is_refused() -> None:
         client.register_plugin(SameBuild(build_of()))
         with pytest.raises(RuntimeError, match="has another build"):
             client.register_plugin(SameBuild("0" * 64))
+
+
+def test_one_that_joins_later_is_refused_too(tmp_path: Path) -> None:
+    (tmp_path / "pharos").write_bytes(b"another light")
+    path = os.pathsep.join(sys.path)
+    with (
+        LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
+        Client(cluster) as client,
+    ):
+        client.register_plugin(SameBuild(build_of()))
+        late = subprocess.run(
+            [sys.executable, "-m", "distributed.cli.dask_worker", cluster.scheduler_address,
+             "--nthreads", "1", "--no-nanny", "--no-dashboard"],
+            env={**os.environ, "PHAROS_BUILD": str(tmp_path), "PYTHONPATH": path},
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )  # fmt: skip
+        assert "has another build" in late.stderr
+        assert len(client.scheduler_info()["workers"]) == 1

@@ -21,6 +21,8 @@ class SameBuild(WorkerPlugin):  # type: ignore[misc]  # distributed has no types
     def setup(self, worker: Any) -> None:
         here = build_of() if BINARY.exists() else "none"
         if here != self.build:
+            # one that joins later would stay, and work, though its plugin has failed
+            worker.loop.add_callback(worker.close, nanny=True, reason="another build")
             raise RuntimeError(
                 f"{worker.address} has another build ({here[:12]}) than the campaign "
                 f"({self.build[:12]}): build the same commit there"

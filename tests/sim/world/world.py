@@ -9,34 +9,30 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from dronecan import uavcan
 
+from attacker import Attacker
+from light import GIMBAL, HARDPOINT, OWN_NODE, Light
 from oracle import (
     ACCEPTED,
     DENIED,
-    FLIGHT_US,
+    TEMPORARILY_REJECTED,
     UNSUPPORTED,
-    Effect,
-    Oracle,
     Sent,
     configured,
+    dimmed,
     is_in_range,
     nothing,
     turned,
 )
-from parties import CONFIGURE, KEY, ON_OFF, REQUEST_MESSAGE, STAMP, STATUS, Party
-from pharos import Simulator, find_dialect, load_dialect
+from parties import CONFIGURE, KEY, MOUNT, ON_OFF, REQUEST_MESSAGE, STATUS, Party
+from pharos import find_dialect, load_dialect
 from plan import SECOND_US, Action, Plan
 
 POLL_US = 250_000
 RING_POLL_US = 50_000
 HEAL_US = 5_000_000
-HARDPOINT = 3
-NODE = 10
-REBOOT = 246  # MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN
-REAL32 = 9  # MAV_PARAM_TYPE
 
 
 @dataclass
@@ -49,167 +45,6 @@ class Outcome:
     events: int = 0
     faults: int = 0
     tally: Counter[str] = field(default_factory=Counter)
-
-
-class Light:
-    """One light of the world: its process, its wires, its oracle."""
-
-    def __init__(self, world: World, number: int) -> None:
-        self.world = world
-        self.number = number
-        self.system = 1 + number
-        features = world.plan.features
-        wires = {"uart0": "tcpin:127.0.0.1:0"}
-        if "ring" in features:
-            wires |= {"uart1": "tcpin:127.0.0.1:0", "uart2": "tcpin:127.0.0.1:0"}
-        if "can" in features and number == 0:
-            wires["can0"] = "udp:127.255.255.255:{port}"
-        self.sim = Simulator(
-            world.binary, wires, seed=world.plan.seed * 8 + number + 1, dialect=world.dialect
-        )
-        fallback = next((f for f in features if f.startswith("loss-")), "")
-        self.oracle = Oracle(
-            key="key" in features, restore="restore" in features, fallback=fallback
-        )
-        self.recorded: list[tuple[int, bytes]] = []
-        self.is_silent = False
-
-    @property
-    def address(self) -> tuple[int, int]:
-        return self.system, 243
-
-    def start(self) -> None:
-        self.sim.start()
-        self.links = {
-            name: self.sim.open(name)
-            for name in self.sim.wires()
-            if self.sim.wires()[name].address.startswith("tcpin")
-        }
-        self.decoder = self.world.dialect.MAVLink(None, 255, 190)
-        self.decoder.robust_parsing = True
-        self.node = (
-            self.sim.node(NODE)
-            if "can" in self.world.plan.features and (self.number == 0)
-            else None
-        )
-        self.configure()
-
-    # --- before the story begins --------------------------------------------------------------
-    def configure(self) -> None:
-        features = self.world.plan.features
-        wanted = {"MAV_SYSID": self.system}
-        if "restore" in features:
-            wanted["LGT_RESTORE"] = 1
-        if self.oracle.fallback:
-            wanted |= {
-                "LGT_LOSS": 5,
-                "LGT_FALLBACK": 1 if self.oracle.fallback == "loss-off" else 2,
-            }
-        if "ring" in features:
-            wanted["MAV_ROUTE"] = 1
-        if "can" in features:
-            wanted["CAN_HARDPT_ID"] = HARDPOINT
-        if "exclusion" in features:
-            wanted["LGT_SRC_EXCL"] = 2
-        if "key" in features:
-            wanted["MAV_SECURE"] = 1
-        owner = Party(self.world.dialect, 255, 190)
-        self.sim.advance(s=1)
-        for name, value in wanted.items():
-            self._set(owner, name, value)
-        if "key" in features:
-            setup = owner.d.MAVLink_setup_signing_message(1, 243, list(KEY), STAMP)
-            if self.system != 1:  # its new id is in force after a reset
-                setup.target_system = 1
-            self.links["uart0"].send(owner.frame(setup, 0))
-        self.sim.advance(s=3)
-        self.sim.request("reset", cause="power-on")
-        self.sim.advance(s=2)
-        for link in self.links.values():
-            link.take()
-        outputs = self.sim.outputs()
-        self.oracle.resets_seen = int(outputs["resets"])
-        self.sim.skip_edges()
-        self.began_us = self.sim.now_us()
-
-    def _set(self, owner: Party, name: str, value: int) -> None:
-        message = owner.d.MAVLink_param_set_message(1, 243, name.encode(), value, REAL32)
-        self.links["uart0"].send(owner.frame(message, 0))
-        self.sim.advance(100_000)
-
-    # --- time ---------------------------------------------------------------------------------
-    def now_us(self) -> int:
-        """World time: since the story began."""
-        return self.sim.now_us() - self.began_us
-
-    def advance(self, us: int) -> None:
-        """What came in a step in which the light was reset is not judged: part of it was sent
-        before, part after."""
-        self.sim.advance(us)
-        outputs = self.sim.outputs()
-        was_reset = int(outputs["resets"]) != self.oracle.resets_seen
-        self.oracle.edges(
-            [(edge.time_us - self.began_us, edge.level_ppm) for edge in self.sim.edges()]
-        )
-        if was_reset:
-            self.world.tell(self, f"was reset: {outputs['reset_cause']}")
-            self.links["uart0"].take()
-        self.oracle.sample(self.now_us(), outputs)
-        self.take()
-
-    def take(self) -> None:
-        data = b"".join(self.links["uart0"].take())
-        if not data:
-            return
-        now_us = self.now_us()
-        self.oracle.traffic(now_us, len(data))
-        for message in self.decoder.parse_buffer(data) or []:
-            if message.get_type() == "BAD_DATA":
-                continue
-            if (message.get_srcSystem(), message.get_srcComponent()) == self.address:
-                self._heard(now_us, message)
-
-    def _heard(self, now_us: int, message: Any) -> None:
-        kind = message.get_type()
-        if kind == "COMMAND_ACK":
-            to = (message.target_system, message.target_component)
-            self.world.tell(self, f"answers {message.command} of {to[0]}/{to[1]}: {message.result}")
-            self.oracle.acknowledged(now_us, to, message.command, message.result)
-        elif kind == "ILLUMINATOR_STATUS":
-            self.oracle.status(now_us, message)
-        elif kind == "STATUSTEXT":
-            self.world.tell(self, f"says '{message.text}'")
-
-    # --- what is sent to it -------------------------------------------------------------------
-    def is_sure(self) -> bool:
-        around = self.oracle.around
-        now_us = self.now_us()
-        return (
-            not around.wire_faulty
-            and around.stalled_us is None
-            and now_us - around.wire_clean_us > FLIGHT_US
-            and now_us - around.up_us > SECOND_US
-        )
-
-    def send(self, party: Party, message: Any, *, record: bool = False) -> None:
-        frame = party.frame(message, self.now_us())
-        if record:
-            self.recorded.append((self.now_us(), frame))
-        self.links["uart0"].send(frame)
-        self.advance(0)
-
-    def command(
-        self,
-        party: Party,
-        number: int,
-        params: tuple[float, ...],
-        effect: Effect,
-        results: frozenset[int],
-    ) -> None:
-        authorised = not self.oracle.key or party.key is not None
-        one = Sent(party.address, number, effect, results, self.now_us(), self.is_sure())
-        self.oracle.sent(one, authorised=authorised)
-        self.send(party, party.command(number, *params, to=self.address), record=True)
 
 
 class World:
@@ -228,10 +63,18 @@ class World:
             "second": Party(d, 250, 190, key),
         }
         self.autopilots = [Party(d, 1 + i, 1, key) for i in range(plan.lights)]
-        self.stranger = Party(d, 66, 190)
+        self.attacker = Attacker(d)
         self.lights = [Light(self, i) for i in range(plan.lights)]
+        for light in self.lights:  # who asks other lights from this one's wire
+            light.far = Party(d, 200 + light.number, 190, key)
         self.now_us = 0
         self.outcome = Outcome(plan.seed)
+
+    def parties(self) -> list[Party]:
+        return [*self.stations.values(), *self.autopilots, *(light.far for light in self.lights)]
+
+    def is_far(self, address: tuple[int, int]) -> bool:
+        return any(light.far.address == address for light in self.lights)
 
     def tell(self, light: Light, line: str) -> None:
         if self.told is not None:
@@ -280,27 +123,34 @@ class World:
             self.outcome.events += 1
 
     def _shuttle(self) -> None:
-        """What one light sent on the ring's UARTs reaches the other."""
+        """What one light of the ring sends on uart1 reaches the next one's uart2, and back."""
         if len(self.lights) < 2:
             return
-        first, second = self.lights
-        for name in ("uart1", "uart2"):
-            there = b"".join(first.links[name].take())
-            back = b"".join(second.links[name].take())
-            for light, data in ((second, there), (first, back)):
-                if data:
-                    light.oracle.traffic(self.now_us, len(data))
-                    light.links[name].send(data)
+        count = len(self.lights)
+        came = {
+            (light.number, name): b"".join(light.links[name].take())
+            for light in self.lights
+            for name in ("uart1", "uart2")
+        }
+        for (number, name), data in came.items():
+            if not data:
+                continue
+            other = self.lights[(number + (1 if name == "uart1" else -1)) % count]
+            self.lights[number].oracle.traffic(self.now_us, name, len(data))
+            other.links["uart2" if name == "uart1" else "uart1"].send(data)
 
     def _beat(self) -> None:
         for light in self.lights:
             if light.is_silent:
                 continue
-            for party in [self.stations["owner"], self.autopilots[light.number]]:
-                is_station = party is self.stations["owner"]
-                message = party.station() if is_station else party.autopilot()
-                light.send(party, message, record=True)
-                light.oracle.life(light.now_us(), light.is_sure())
+            sure = light.is_sure()
+            for party in [self.stations["owner"], self.autopilots[light.number], light.far]:
+                if party is light.far and len(self.lights) < 2:
+                    continue
+                is_vehicle = party is self.autopilots[light.number]
+                light.write(party, party.autopilot() if is_vehicle else party.station())
+            light.oracle.life(light.now_us(), sure)
+            light.advance(0)
 
     def _afterwards(self) -> None:
         """All faults end; then everything answers again."""
@@ -326,6 +176,8 @@ class World:
             Action(0, "fan", (1,)),
             Action(0, "sensor", ("none",)),
             Action(0, "bus", ("none", 0)),
+            Action(0, "clash", (0,)),
+            Action(0, "chip", ("none",)),
         ):
             self._perform(light, action)
         light.sim.set(temp_mdegc=25_000)
@@ -393,8 +245,67 @@ class World:
         light.node.broadcast(command)
         # a light with a key hears DroneCAN only if MAV_KEY_CAN says so
         if "exclusion" not in self.plan.features and not light.oracle.key:
-            light.oracle.switched(light.now_us(), bool(on), not light.oracle.around.bus_faulty)
+            light.oracle.switched(light.now_us(), turned(bool(on)))
         light.advance(0)
+
+    def _chatter(self, light: Light, seed: int, count: int) -> None:
+        """Others' talk on the bus, none of which concerns the light."""
+        node = self.lights[0].node
+        assert node is not None
+        rng = random.Random(seed)
+        color = uavcan.equipment.indication.SingleLightCommand(light_id=7)
+        for _ in range(count):
+            node.broadcast(
+                rng.choice(
+                    (
+                        uavcan.equipment.hardpoint.Command(hardpoint_id=HARDPOINT + 1, command=1),
+                        uavcan.equipment.indication.LightsCommand(commands=[color]),
+                        uavcan.equipment.actuator.ArrayCommand(commands=[]),
+                        uavcan.protocol.NodeStatus(uptime_sec=rng.randrange(1 << 20)),
+                    )
+                )
+            )
+        self.lights[0].advance(0)
+
+    def _led(self, light: Light, value: int) -> None:
+        assert light.imc is not None
+        light.imc.send("SetLedBrightness", name="lamp", value=value)
+        # a light with a key hears IMC only if MAV_KEY_IMC says so
+        if "exclusion" not in self.plan.features and not light.oracle.key:
+            light.oracle.switched(light.now_us(), dimmed(value))
+        light.advance(0)
+
+    def _point(self, light: Light, pan: int, tilt: int) -> None:
+        if light.is_silent:
+            return
+        light.oracle.gimbal.sent(light.now_us(), (float(pan), float(tilt)))
+        light.command(
+            self.stations["owner"],
+            MOUNT,
+            (float(tilt), 0.0, float(pan), 0.0, 0.0, 0.0, 2.0),
+            nothing,
+            frozenset({ACCEPTED, TEMPORARILY_REJECTED}),
+            to=(light.system, GIMBAL),
+        )
+
+    def _far(self, light: Light, on: int) -> None:
+        """A command to the next light, over this one and the ring."""
+        if light.is_silent:
+            return
+        there = self.lights[(light.number + 1) % len(self.lights)]
+        party = light.far
+        authorised = not there.oracle.key or party.key is not None
+        one = Sent(
+            party.address,
+            ON_OFF,
+            turned(bool(on)),
+            frozenset({ACCEPTED}),
+            there.now_us(),
+            False,
+            True,
+        )
+        there.oracle.sent(one, authorised=authorised)
+        light.send(party, party.command(ON_OFF, float(on), to=there.address))
 
     # --- faults -------------------------------------------------------------------------------
     def _wire(self, light: Light, kind: str, rate_ppm: int) -> None:
@@ -446,9 +357,18 @@ class World:
         self.outcome.faults += 1
 
     def _half(self, light: Light, count: int) -> None:
-        frame = self.stranger.frame(self.stranger.command(ON_OFF, 1.0, to=light.address), 0)
+        stranger = self.attacker.stranger
+        frame = stranger.frame(stranger.command(ON_OFF, 1.0, to=light.address), 0)
         light.links["uart0"].send(frame[:count])
         light.oracle.around.wire_clean_us = light.now_us()
+        light.advance(0)
+        self.outcome.faults += 1
+
+    def _strangers(self, light: Light, count: int) -> None:
+        """A message that nobody knows, from that many senders: what routers pass on."""
+        for sender in range(count):
+            header = bytes([0xFD, 0, 0, 0, sender, 100 + sender, 1, 0xF0, 0xF1, 0x01])
+            light.links["uart0"].send(header + b"\x12\x34")
         light.advance(0)
         self.outcome.faults += 1
 
@@ -459,44 +379,45 @@ class World:
         fields = {"none": {}, "lost": {"rate_ppm": value}, "bus-off": {"hold_us": value}}[kind]
         light.sim.fault("can0", kind, **fields)
         light.oracle.around.bus_faulty = kind != "none"
+        light.oracle.around.bus_us = light.now_us()
         self.outcome.faults += kind != "none"
+
+    def _clash(self, light: Light, on: int) -> None:
+        light = self.lights[0]
+        around = light.oracle.around
+        if light.node is None or bool(on) == around.clash:
+            return
+        if light.twin is not None:
+            light.twin.close()
+        light.twin = light.sim.node(OWN_NODE) if on else None
+        around.clash = bool(on)
+        around.clash_us = light.now_us()
+        self.outcome.faults += on
+
+    def _chip(self, light: Light, name: str) -> None:
+        around = light.oracle.around
+        before = around.chip
+        if before != "none":
+            light.sim.fault("chip", "none", name=before)
+        if name != "none":
+            light.sim.fault("chip", "error", name=name)
+        if "adc" in (name, around.chip):
+            around.adc_us = light.now_us()
+        around.chip = name
+        was_reset = around.up_us >= around.chip_us
+        around.chip_us = light.now_us()
+        self.outcome.faults += name != "none"
+        if before != "none" and was_reset:  # its driver has not started, until the next one
+            self._reset(light, "power-on")
+
+    def _later(self, light: Light, seconds: int) -> None:
+        """Power goes, and comes back when the others' clocks are that much later."""
+        for party in self.parties():
+            party.later_us += seconds * SECOND_US
+        self._reset(light, "power-on")
 
     # --- the attacker -------------------------------------------------------------------------
     def _attack(self, light: Light, how: str) -> None:
-        if not light.oracle.key:
-            return
-        self.outcome.faults += 1
-        d, stranger = self.dialect, self.stranger
-        if how == "replay":
-            self._replay(light)
-            return
-        party, message = {
-            "on": (stranger, stranger.command(ON_OFF, 1.0, to=light.address)),
-            "off": (stranger, stranger.command(ON_OFF, 0.0, to=light.address)),
-            "autopilot": (Party(d, 77, 1), stranger.autopilot()),
-            "station": (stranger, stranger.station()),
-            "setup": (stranger, d.MAVLink_setup_signing_message(*light.address, [0] * 32, STAMP)),
-            "parameter": (
-                stranger,
-                d.MAVLink_param_set_message(
-                    *light.address,
-                    b"THR_SHUTDOWN",
-                    149,
-                    REAL32,
-                ),
-            ),
-            "reboot": (stranger, stranger.command(REBOOT, 1.0, to=light.address)),
-        }[how]
-        light.send(party, message)
-
-    def _replay(self, light: Light) -> None:
-        """A frame that certainly arrived, and later ones of its stream as well."""
-        now_us = light.now_us()
-        old = [
-            frame
-            for at_us, frame in light.recorded
-            if now_us - at_us > 3 * SECOND_US and at_us > light.oracle.around.up_us
-        ]
-        if old and light.is_sure() and not light.is_silent:
-            light.links["uart0"].send(random.Random(now_us).choice(old))
-            light.advance(0)
+        if light.oracle.key:
+            self.outcome.faults += 1
+            self.attacker.attack(light, how)
