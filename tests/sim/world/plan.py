@@ -215,7 +215,7 @@ class _Draw:
         self.until("wire", (kind, rng.choice((1_000, 10_000, 100_000))), ("none", 0), 10)
 
     def _heat(self, rng: random.Random) -> None:
-        # of housing and sun; its 60 J/K take a minute to follow, so it burns, and then it freezes
+        # it burns, and then it freezes, since a world has no time for less
         self.until("ambient", (rng.choice((85, 200, 300)),), (rng.choice((25, -100)),), 30)
 
     def _fan(self, rng: random.Random) -> None:
