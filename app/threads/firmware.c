@@ -45,6 +45,8 @@ static atomic_t to_confirm;
 
 static void store(struct k_work *work);
 static K_WORK_DEFINE(store_work, store);
+static void give_up(struct k_work *work);
+static K_WORK_DELAYABLE_DEFINE(give_up_work, give_up);
 
 const char *firmware_phase_name(enum firmware_phase phase)
 {
@@ -71,6 +73,7 @@ static void post(enum job_kind kind)
 {
 	atomic_set(&job.kind, kind);
 	storage_submit(&store_work);
+	(void)k_work_reschedule(&give_up_work, K_MSEC(STORAGE_WAIT_MS));
 }
 
 static void enter(enum firmware_phase phase, const char *failure)
@@ -104,6 +107,10 @@ static int take_done(struct pharos_device *device, void *argument)
 {
 	const char *const failure = argument;
 
+	if (status.phase == FIRMWARE_FAILED) { /* given up meanwhile */
+		post(JOB_CLEAN);
+		return 0;
+	}
 	if (failure != NULL) {
 		fail(failure);
 	} else if (status.phase == FIRMWARE_ERASING) {
@@ -113,6 +120,24 @@ static int take_done(struct pharos_device *device, void *argument)
 	}
 	job_done(failure);
 	return 0;
+}
+
+/* A flash that never answers keeps storage's thread; whoever sends the image is told. */
+static int take_silence(struct pharos_device *device, void *argument)
+{
+	static const char failure[] = "the flash does not answer";
+	const enum job_kind kind = (enum job_kind)atomic_get(&job.kind);
+
+	if (kind != JOB_NONE && kind != JOB_CLEAN && status.phase != FIRMWARE_FAILED) {
+		enter(FIRMWARE_FAILED, failure);
+		job_done(failure);
+	}
+	return 0;
+}
+
+static void give_up(struct k_work *work)
+{
+	inbox_call(take_silence, NULL);
 }
 
 void firmware_begin(void (*done)(const char *failure))

@@ -46,6 +46,7 @@ static struct store store;         /* under the lock */
 static struct storage_stats stats; /* under the lock */
 /* When the write under way is one that hangs; 0: there is none. Under the lock. */
 static int64_t writing_until_ms;
+static bool told_waiting; /* under the lock */
 static uint8_t record[STORE_RECORD_MAX];
 
 static K_THREAD_STACK_DEFINE(storage_stack, CONFIG_PHAROS_STORAGE_STACK_SIZE);
@@ -315,10 +316,22 @@ void storage_save_signing(const struct mavlink_signing_record *signing)
 }
 #endif
 
+/* Something is due, and the thread still busy with a flash that does not answer. */
+static bool waits_too_long(void)
+{
+	const int64_t due_us = store_deadline_us(&store);
+
+	return !told_waiting && due_us != TIME_NEVER_US &&
+	       clock_now_us() - due_us >= STORAGE_WAIT_MS * 1000LL;
+}
+
 struct storage_stats storage_stats_get(void)
 {
 	begin();
-	if (writing_until_ms != 0 && k_uptime_get() >= writing_until_ms) {
+	const bool waits = waits_too_long();
+
+	if (waits || (writing_until_ms != 0 && k_uptime_get() >= writing_until_ms)) {
+		told_waiting |= waits;
 		writing_until_ms = 0;
 		stats.failures++;
 		stats.last_error = -ETIMEDOUT;
@@ -386,6 +399,7 @@ static void save(struct k_work *work)
 	const size_t length = store_begin(&store, clock_now_us(), record, &slot);
 	const bool is_stored = store.sequence != 0;
 
+	told_waiting = false;
 	writing_until_ms = length > 0 ? k_uptime_get() + STORAGE_WRITE_MS : 0;
 	end();
 	if (length > 0) {

@@ -19,6 +19,8 @@
 
 /* A write that takes longer counts as failed, -ETIMEDOUT; a page's erasing is in it. */
 #define STORAGE_WRITE_MS 10000
+/* What waits for longer behind the update's flash has failed: an H7's slot takes 24 s to erase. */
+#define STORAGE_WAIT_MS  60000
 
 struct storage_stats {
 	uint32_t writes;

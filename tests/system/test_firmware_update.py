@@ -242,6 +242,19 @@ def test_a_silent_server_is_asked_ten_times_then_given_up(light: Bench) -> None:
     assert len(starts) == 10 * 2  # 5 bytes of offset, 7 of name, 2 of CRC: two frames
 
 
+def test_a_flash_that_never_answers_ends_the_update_and_is_told(light: Bench) -> None:
+    image_of(light.folder / "new.bin", 3000)
+    light.sim.fault("chip", "never", name="flash")
+    light.begin("new.bin")
+    light.wait("the flash does not answer", seconds=70)
+    assert light.begin("new.bin").error != Update.Response().ERROR_OK, "it may still come"
+    shell = Shell(light.sim)
+    assert "ok" in shell("light on")
+    light.sim.advance(s=1)
+    assert light.sim.outputs()["level_ppm"] == 1_000_000
+    assert light.sim.outputs()["resets"] == 0
+
+
 @pytest.mark.parametrize("at", ["erase", "first block", "last block", "mark"])
 def test_power_that_fails_leaves_the_old_image(light: Bench, at: str) -> None:
     image = image_of(light.folder / "new.bin", 3000)

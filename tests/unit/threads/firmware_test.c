@@ -6,6 +6,7 @@
  */
 #include "threads/firmware.h"
 #include "threads/inbox.h"
+#include "threads/storage.h"
 
 #include "host/flash_store.h"
 #include "models/bootloader.h"
@@ -95,6 +96,25 @@ static void before(void *fixture)
 }
 
 ZTEST_SUITE(firmware, NULL, NULL, before, NULL, NULL);
+
+/* The sender is told; what comes of it later is erased; then there is room for the next. */
+ZTEST(firmware, test_a_flash_that_does_not_answer_is_given_up)
+{
+	is_done = false;
+	firmware_begin(done);
+	k_sleep(K_MSEC(STORAGE_WAIT_MS - 1));
+	zassert_false(is_done);
+	k_sleep(K_MSEC(2));
+	zassert_true(is_done);
+	zassert_str_equal(failure, "the flash does not answer");
+	zassert_true(firmware_is_busy(), "it may still come");
+
+	is_done = false;
+	run_storage();
+	zassert_false(is_done, "told once");
+	run_storage();
+	zassert_false(firmware_is_busy());
+}
 
 static void assert_second_slot_is_empty(void)
 {

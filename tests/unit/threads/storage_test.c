@@ -5,6 +5,7 @@
  */
 #include "threads/storage.h"
 
+#include <errno.h>
 #include <string.h>
 
 #include <zephyr/settings/settings.h>
@@ -335,4 +336,34 @@ ZTEST(storage, test_a_write_that_fails_is_told_and_tried_again)
 	zassert_equal(storage_stats_get().failures, first.failures + 1);
 	reset();
 	zassert_equal(stored(PARAM_STRB_MIN), 40000);
+}
+
+static struct k_sem flash_answers;
+
+static void wait_for_flash(struct k_work *work)
+{
+	(void)k_sem_take(&flash_answers, K_FOREVER);
+}
+
+/* The thread is the update's too: what waits behind a flash that never answers is told, once. */
+ZTEST(storage, test_what_waits_behind_an_update_that_hangs_is_told)
+{
+	static struct k_work update = Z_WORK_INITIALIZER(wait_for_flash);
+	const uint32_t failures = storage_stats_get().failures;
+
+	k_sem_init(&flash_answers, 0, 1);
+	storage_submit(&update);
+	k_sleep(K_MSEC(1));
+	set(PARAM_LGT_CURVE, params.values[PARAM_LGT_CURVE] == 0 ? 1 : 0);
+	k_sleep(K_MSEC(STORAGE_WAIT_MS - 1));
+	zassert_equal(storage_stats_get().failures, failures);
+	k_sleep(K_MSEC(2));
+	zassert_equal(storage_stats_get().failures, failures + 1);
+	zassert_equal(storage_stats_get().last_error, -ETIMEDOUT);
+	k_sleep(K_MSEC(STORAGE_WAIT_MS));
+	zassert_equal(storage_stats_get().failures, failures + 1);
+
+	k_sem_give(&flash_answers);
+	k_sleep(K_MSEC(100));
+	zassert_equal(stored(PARAM_LGT_CURVE), params.values[PARAM_LGT_CURVE]);
 }
