@@ -23,6 +23,7 @@
 #endif
 
 #define UART_LINK(i_, _) DEVICE_DT_GET_OR_NULL(DT_ALIAS(uart_link##i_))
+#define UART_BAUD(i_, _) DT_PROP_OR(DT_ALIAS(uart_link##i_), current_speed, 0)
 
 _Static_assert(UART_LINKS_MAX > 3 || !DT_NODE_EXISTS(DT_ALIAS(uart_link3)), "every UART is used");
 _Static_assert(UART_LINKS_MAX > 2 || !DT_NODE_EXISTS(DT_ALIAS(uart_link2)), "every UART is used");
@@ -40,6 +41,7 @@ const struct devices devices = {
 	.imc_datagrams = IMC_DATAGRAMS,
 	.strap = DEVICE_DT_GET_OR_NULL(DT_ALIAS(strap0)),
 	.uart_links = {LISTIFY(UART_LINKS_MAX, UART_LINK, (, ))},
+	.uart_bauds = {LISTIFY(UART_LINKS_MAX, UART_BAUD, (, ))},
 	.sync_input = GPIO_DT_SPEC_GET_OR(DT_ALIAS(sync_input), gpios, {0}),
 	.button = GPIO_DT_SPEC_GET_OR(DT_ALIAS(button0), gpios, {0}),
 	.driver_fault = GPIO_DT_SPEC_GET_OR(DT_ALIAS(driver_fault), gpios, {0}),

@@ -20,6 +20,7 @@ struct devices {
 	const struct device *servo_tilt;                 /* the same */
 	const struct device *probe;                      /* NULL: the board has none */
 	const struct device *uart_links[UART_LINKS_MAX]; /* NULL: not on this board */
+	uint32_t uart_bauds[UART_LINKS_MAX];             /* the devicetree's, 0: not said there */
 	const struct device *can_link;                   /* NULL: the board has none */
 	const struct device *edge_time;                  /* NULL: the board has none */
 	const struct device *imc_datagrams;              /* NULL: the board has none */

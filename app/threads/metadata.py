@@ -172,7 +172,8 @@ def as_json(content: dict[str, Any]) -> bytes:
 
 def compress(plain: bytes) -> bytes:
     """xz with CRC-32, the one check that every embedded unpacker knows."""
-    filters = [{"id": lzma.FILTER_LZMA2, "preset": 9 | lzma.PRESET_EXTREME, "dict_size": 1 << 16}]
+    how = {"preset": 9 | lzma.PRESET_EXTREME, "dict_size": 1 << 16, "pb": 0}
+    filters = [{"id": lzma.FILTER_LZMA2, **how}]
     return lzma.compress(plain, lzma.FORMAT_XZ, lzma.CHECK_CRC32, filters=filters)
 
 

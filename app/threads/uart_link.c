@@ -193,8 +193,11 @@ uint32_t uart_link_rate(uint8_t number)
 {
 	struct uart_config config;
 
-	if (find(number) == NULL || uart_config_get(devices.uart_links[number], &config) != 0) {
+	if (find(number) == NULL) {
 		return 0;
+	}
+	if (uart_config_get(devices.uart_links[number], &config) != 0) {
+		config.baudrate = devices.uart_bauds[number]; /* it cannot be another */
 	}
 	return config.baudrate / FRAME_BITS;
 }
