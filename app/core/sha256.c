@@ -62,27 +62,32 @@ static uint32_t schedule(uint32_t w[WORDS], uint32_t round)
 static void take_block(struct sha256 *self)
 {
 	uint32_t *const w = self->block.words;
-	uint32_t v[8]; /* a … h */
+	const uint32_t *const s = self->state;
+	uint32_t a = s[0], b = s[1], c = s[2], d = s[3], e = s[4], f = s[5], g = s[6], h = s[7];
 
 	for (uint32_t i = 0; i < WORDS; i++) {
 		w[i] = word_at(&self->block.bytes[i * 4]);
 	}
-	memcpy(v, self->state, sizeof(v));
 	for (uint32_t i = 0; i < ROUNDS; i++) {
-		const uint32_t e = v[4];
-		const uint32_t a = v[0];
-		const uint32_t one = v[7] + (rotate(e, 6) ^ rotate(e, 11) ^ rotate(e, 25)) +
-		                     ((e & v[5]) ^ (~e & v[6])) + round_constants[i] +
-		                     schedule(w, i);
+		const uint32_t one = h + (rotate(e, 6) ^ rotate(e, 11) ^ rotate(e, 25)) +
+		                     ((e & f) ^ (~e & g)) + round_constants[i] + schedule(w, i);
 		const uint32_t two = (rotate(a, 2) ^ rotate(a, 13) ^ rotate(a, 22)) +
-		                     ((a & v[1]) ^ (a & v[2]) ^ (v[1] & v[2]));
+		                     ((a & b) ^ (a & c) ^ (b & c));
 
-		memmove(&v[1], &v[0], 7 * sizeof(v[0]));
-		v[4] += one;
-		v[0] = one + two;
+		h = g;
+		g = f;
+		f = e;
+		e = d + one;
+		d = c;
+		c = b;
+		b = a;
+		a = one + two;
 	}
+
+	const uint32_t sums[8] = {a, b, c, d, e, f, g, h};
+
 	for (uint32_t i = 0; i < 8; i++) {
-		self->state[i] += v[i];
+		self->state[i] += sums[i];
 	}
 }
 

@@ -10,21 +10,15 @@
 
 #define MESSAGES (sizeof(pharos_crc_extra_ids) / sizeof(pharos_crc_extra_ids[0]))
 
-/* Polynomial 0x1021, reflected: a row's value is its index, four bits of it shifted through. Two
- * steps a byte; a table for whole bytes would be 512 bytes of flash. */
-static const uint16_t checksum_table[16] = {
-	0x0000, 0x1081, 0x2102, 0x3183, 0x4204, 0x5285, 0x6306, 0x7387,
-	0x8408, 0x9489, 0xA50A, 0xB58B, 0xC60C, 0xD68D, 0xE70E, 0xF78F,
-};
-
 uint16_t mavlink_checksum(const uint8_t *bytes, size_t length, uint16_t crc)
 {
 	uint32_t sum = crc;
 
 	for (size_t i = 0; i < length; i++) {
-		sum ^= bytes[i];
-		sum = (sum >> 4) ^ checksum_table[sum & 0xFu];
-		sum = (sum >> 4) ^ checksum_table[sum & 0xFu];
+		const uint32_t low = (bytes[i] ^ sum) & 0xFFu;
+		const uint32_t byte = (low ^ low << 4) & 0xFFu;
+
+		sum = sum >> 8 ^ byte << 8 ^ byte << 3 ^ byte >> 4;
 	}
 	return (uint16_t)sum;
 }
