@@ -10,21 +10,16 @@
 /* Every member of the union begins where the first does. */
 #define FIELDS_AT   offsetof(struct imc_message, entity_state)
 
-/* Polynomial 0x8005, reflected: a row's value is its index, four bits of it shifted through. Two
- * steps a byte; a table for whole bytes would be 512 bytes of flash. */
-static const uint16_t checksum_table[16] = {
-	0x0000, 0xCC01, 0xD801, 0x1400, 0xF001, 0x3C00, 0x2800, 0xE401,
-	0xA001, 0x6C00, 0x7800, 0xB401, 0x5000, 0x9C01, 0x8801, 0x4400,
-};
-
 uint16_t imc_checksum(const uint8_t *bytes, size_t length)
 {
 	uint32_t sum = 0;
 
 	for (size_t i = 0; i < length; i++) {
-		sum ^= bytes[i];
-		sum = (sum >> 4) ^ checksum_table[sum & 0xFu];
-		sum = (sum >> 4) ^ checksum_table[sum & 0xFu];
+		const uint32_t low = (sum ^ bytes[i]) & 0xFFu;
+		/* the bits of 0x6996 are the parities of 0…15 */
+		const uint32_t odd = 0x6996u >> ((low ^ low >> 4) & 0xFu) & 1u;
+
+		sum = sum >> 8 ^ low << 6 ^ low << 7 ^ odd * 0xC001u;
 	}
 	return (uint16_t)sum;
 }
