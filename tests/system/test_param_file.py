@@ -19,6 +19,9 @@ WITH_DEFAULTS = PACK + "?withdefaults=1"
 Values = dict[str, float]
 
 
+VALUE_BYTES = 37  # PARAM_VALUE on the wire
+
+
 @pytest.fixture
 def ftp(udp_light: Light) -> FtpClient:
     return FtpClient(udp_light.mav)
@@ -88,6 +91,8 @@ def test_the_file_comes_in_half_the_time_of_the_list(start: Callable[..., Simula
     for _ in range(count - 1):
         light.mav.recv("PARAM_VALUE", timeout_us=2_000_000)
     list_us = light.sim.now_us() - begin
+    bytes_us = count * VALUE_BYTES * 10 * 1_000_000 / 57600
+    assert list_us <= 2.2 * bytes_us, f"{list_us / 1e6:.3f} s, its bytes {bytes_us / 1e6:.3f} s"
 
     begin = light.sim.now_us()
     ftp = FtpClient(light.mav)
@@ -95,4 +100,7 @@ def test_the_file_comes_in_half_the_time_of_the_list(start: Callable[..., Simula
     content = b"".join(part.data for part in ftp.burst(session))
     assert len(content) == length
     file_us = light.sim.now_us() - begin
+    print(
+        f"list {list_us / 1e6:.3f} s, its bytes {bytes_us / 1e6:.3f} s, file {file_us / 1e6:.3f} s"
+    )
     assert file_us <= 0.5 * list_us, f"{file_us / 1e6:.2f} s, the list {list_us / 1e6:.2f} s"

@@ -51,7 +51,7 @@
 /* What a link carries when its rate is not known, 57600 baud, and the part of it that bulk takes.
  */
 #define MAVLINK_RATE_DEFAULT 5760u
-#define MAVLINK_BULK_PERCENT 45u
+#define MAVLINK_BULK_PERCENT 46u
 
 /* STATUSTEXT: waiting texts, and how often: a burst, then one per period; each kind once per gap.
  */
