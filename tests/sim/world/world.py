@@ -150,7 +150,8 @@ class World:
                 if party is light.far and len(self.lights) < 2:
                     continue
                 is_vehicle = party is self.autopilots[light.number]
-                light.write(party, party.autopilot() if is_vehicle else party.station())
+                said = party.autopilot() if is_vehicle else party.station()
+                light.write(party, said, record=False)  # a recording of a command tells more
             light.oracle.life(light.now_us(), sure)
             light.advance(0)
 
