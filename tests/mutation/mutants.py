@@ -17,6 +17,7 @@ import hashlib
 import json
 import os
 import random
+import shlex
 import signal
 import subprocess
 import sys
@@ -123,11 +124,12 @@ def candidates(folders: Sequence[str]) -> list[Mutant]:
 def objects(path: str) -> list[str]:
     """What the build makes of a source file: it may be in several programs."""
     commands = json.loads((BUILD / "compile_commands.json").read_text())
-    return [
-        command["output"]
+    words = [
+        shlex.split(command["command"])
         for command in commands
         if Path(command["directory"], command["file"]).resolve() == TREE / path
     ]
+    return [command[command.index("-o") + 1] for command in words]
 
 
 def digest(outputs: Sequence[str]) -> str:

@@ -4,7 +4,6 @@
 #include <errno.h>
 #include <string.h>
 
-
 #include "devices/fault.h"
 #include "host/flash_store.h"
 
