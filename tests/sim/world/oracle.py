@@ -188,6 +188,7 @@ class Oracle:
         self.resets_due = 0
         self._hottest: deque[tuple[int, float]] = deque()
         self._latched_us: int | None = None
+        self._may_be_latched = False  # within the sensor's error
         self._steady_us = 0  # since when the set of possible states is the same
         self._traffic: dict[str, deque[tuple[int, int]]] = {}
         self.gimbal = GimbalOracle(self._broken)
@@ -308,7 +309,7 @@ class Oracle:
 
     def _may_fail(self, now_us: int) -> bool:
         """Heat, a sensor that has failed, or a light that just started."""
-        return self._latched_us is not None or self._hot(now_us) or not self._is_healthy(now_us)
+        return self._may_be_latched or self._hot(now_us) or not self._is_healthy(now_us)
 
     def status(self, now_us: int, message: Any) -> None:
         self.tally.statuses += 1
@@ -365,6 +366,10 @@ class Oracle:
         self._hottest.append((now_us, temp_c))
         while now_us - self._hottest[0][0] > SETTLE_US:
             self._hottest.popleft()
+        if temp_c >= SHUTDOWN_C - SENSOR_ERROR_C:
+            self._may_be_latched = True
+        elif temp_c < RECOVER_C - SENSOR_ERROR_C and self._latched_us is None:
+            self._may_be_latched = False
         level = int(outputs["level_ppm"]) / 1e6
         self._check_heat(now_us, level, temp_c)
         self._check_chip(now_us, level)
@@ -376,6 +381,7 @@ class Oracle:
 
     def look_again(self, now_us: int, outputs: dict[str, Any]) -> None:
         """After what came: a command that was accepted is in force."""
+        self._fall_back(now_us)
         self._check_level(now_us, int(outputs["level_ppm"]) / 1e6)
 
     def _restarted(self, now_us: int, resets: int, cause: str) -> None:
@@ -488,7 +494,7 @@ class Oracle:
             and state.mode == INTERNAL
             and state.brightness >= 1.0
             and (state.period == 0.0 or state.duty in (0.0, 100.0))
-            and self._latched_us is None
+            and not self._may_be_latched
             and max(temp for _, temp in self._hottest) < RECOVER_C - SENSOR_ERROR_C
         )
 
