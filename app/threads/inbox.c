@@ -12,6 +12,8 @@
 #include "threads/frames.h"
 #include "threads/limits.h"
 
+#define START_POLL_MS 10
+
 /* On its caller's stack. */
 struct inbox_call {
 	int (*function)(struct pharos_device *device, void *argument);
@@ -112,8 +114,12 @@ int inbox_call(int (*function)(struct pharos_device *, void *), void *argument)
 	struct inbox_call call = {.function = function, .argument = argument};
 	const struct inbox_item item = {.kind = INBOX_CALL, .call = &call};
 
-	if (atomic_get(&is_open) == 0) {
-		return -EAGAIN;
+	while (atomic_get(&is_open) == 0) {
+		/* start-up is still at work, and watched: it ends, or is bitten */
+		if (supervisor_age_ms(SUPERVISOR_START) < 0) {
+			return -EAGAIN;
+		}
+		k_sleep(K_MSEC(START_POLL_MS));
 	}
 	k_sem_init(&call.done, 0, 1);
 	/* K_FOREVER: the supervisor watches who answers; a call cannot be taken back */

@@ -74,9 +74,10 @@ void inbox_post_thermal(const struct thermal_report *report);
 
 /*
  * Runs function(device, argument) in the command thread and returns what it returned, once all that
- * followed from it has been performed. A command thread that does not come to it is a stall, which
- * ends in a reset. -EAGAIN, which no function returns: the thread does not run yet, and nothing was
- * done. Any thread but the command thread.
+ * followed from it has been performed. While the device starts it waits for that. A command thread
+ * that does not come to it is a stall, which ends in a reset. -EAGAIN, which no function returns:
+ * the device has started and the thread does not run; nothing was done. Any thread but the command
+ * thread.
  */
 int inbox_call(int (*function)(struct pharos_device *device, void *argument), void *argument);
 

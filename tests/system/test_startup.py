@@ -307,6 +307,16 @@ def test_the_shell_waits_for_no_thread_that_is_not_there(start: Start, line: str
     assert ("has not started" in answer) == asks
 
 
+@pytest.mark.parametrize("line", ["light status", "param get thr_miss"])
+def test_a_line_that_comes_during_the_start_is_done_after_it(start: Start, line: str) -> None:
+    sim = start({"uart0": WIRES["udp"], "console": CONSOLE})
+    _restart(sim, ("storage", "late", {"delay_us": 300 * MS}))
+    assert sim.now_us() == 0
+    assert "has not started" not in Shell(sim)(line)
+    assert sim.now_us() < 1000 * MS
+    assert _resets_of(sim) == 1
+
+
 def test_settings_that_are_never_stored_are_told_and_the_light_goes_on(start: Start) -> None:
     light, _ = _begin(start)
     light.sim.fault("chip", "never", name="storage")
