@@ -30,8 +30,9 @@ change nothing. What is set is stored: a power cut leaves the old or the new val
   gimbal's parameters but for `GMB_ENABLE` and `GMB_COMPID`, the light's has these and all others;
   each list is complete in itself. All of the light's come in one file over MAVLink FTP as well,
   `@PARAM/param.pck`. Type REAL32, which every ground station reads alike; sets of integer types are
-  taken too, bytewise, as that number of the unit. A refused set is answered by PARAM_ERROR and by
-  PARAM_VALUE with what is in force. A list takes 46 % of its link.
+  taken too, bytewise, as that number of the unit. A refused set is answered by PARAM_ERROR
+  (not over MAVLink 1, which has none) and by PARAM_VALUE with what is in force. A list takes 46 %
+  of its link.
 - **DroneCAN**: `uavcan.protocol.param.GetSet`; what has a step below 1 as a real value, the rest as
   an integer. Sets of either kind are taken.
 - **IMC**: EntityParameters, as text such as `80.5`.

@@ -21,6 +21,7 @@ from pharos.parameters import (
     Parameter,
     ParameterError,
     Parameters,
+    components_in,
     is_same,
     read_file,
     text_of,
@@ -168,6 +169,28 @@ def test_files_of_each_station_are_read(tmp_path: Path, text: str) -> None:
     path = tmp_path / "a.parm"
     path.write_text(text)
     assert read_file(path) == {"A_REAL": 0.1, "B_INT": -7.0}
+
+
+def test_a_vehicles_file_of_qgroundcontrol_has_other_components_too(
+    sim: Simulator, tmp_path: Path
+) -> None:
+    path = tmp_path / "vehicle.params"
+    path.write_text(
+        "1\t1\tLGT_FALLBACK\t2\t9\n1\t1\tRC1_MIN\t1100\t4\n"
+        "1\t154\tGMB_PAN_MIN\t-50\t9\n1\t243\tTHR_THROTTLE\t78\t9\n"
+    )
+    assert components_in(path) == [1, 154, 243]
+    assert read_file(path, 243) == {"THR_THROTTLE": 78.0}
+    desk = Desk(sim)
+    assert desk(f"param load {path}") == OK
+    assert desk.out.getvalue().splitlines() == [
+        "THR_THROTTLE     78",
+        "1 set, 0 were so already, left out: those of component 1, 154",
+    ]
+    assert desk("param get LGT_FALLBACK") == OK
+    assert desk.out.getvalue().split() == ["LGT_FALLBACK", "0"]
+    assert desk(f"param diff {path}") == REFUSED
+    assert "GMB_PAN_MIN" not in desk.out.getvalue()
 
 
 @pytest.mark.parametrize("name", ["a.parm", "a.params"])

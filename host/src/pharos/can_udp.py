@@ -32,6 +32,8 @@ GROUP = "239.65.82."
 PORT = 57732
 DEFAULT_CHANNEL = "0"
 NAME = "pharos-udp"
+# What stands before a channel in this bus's own name, and on the light's command line.
+PREFIXES = (f"{NAME}/", "udp:", "mcast:")
 MAGIC = 0x2934
 FLAG_FD = 0x0001
 ID_EXTENDED = 1 << 31
@@ -210,6 +212,8 @@ def _refuse(reason: str) -> None:
 
 def parse_channel(channel: str) -> tuple[str, tuple[str, int]]:
     """Its shortest name and its address. ChannelError says what is wrong in one line."""
+    for prefix in PREFIXES:
+        channel = channel.removeprefix(prefix)
     channel = channel or DEFAULT_CHANNEL
     bus = parse_number(channel)
     if bus is not None and bus <= 255:

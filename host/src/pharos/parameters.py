@@ -8,7 +8,7 @@ How integers cross the wire, as bytes or as floats, the component says in its ca
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -258,29 +258,43 @@ def _checked(name: str) -> str:
 
 
 # --- files ----------------------------------------------------------------------------------------
-def read_file(path: str | Path) -> dict[str, float]:
-    """Name and value of each line of MAVProxy's .parm (NAME VALUE), Mission Planner's (NAME,VALUE)
-    or QGroundControl's (system, component, NAME, VALUE, type). PharosError: what is wrong, and in
-    which line."""
+def _read_lines(path: str | Path) -> Iterator[tuple[int | None, str, float]]:
+    """Component, if the line names one, name and value of each."""
     try:
         text = Path(path).read_text(encoding="utf-8")
     except OSError as error:
         raise PharosError(f"{path}: {error.strerror}") from error
     except UnicodeDecodeError as error:
         raise PharosError(f"{path}: no text") from error
-    values: dict[str, float] = {}
     for number, line in enumerate(text.splitlines(), start=1):
         words = line.partition("#")[0].replace(",", " ").split()
         if not words:
             continue
-        if len(words) == 5 and words[0].isdecimal():
-            words = words[2:4]
         try:
+            component = None
+            if len(words) == 5 and words[0].isdecimal():
+                component = int(words[1])
+                words = words[2:4]
             name, value = words
-            values[_checked(name)] = float(value)
+            yield component, _checked(name), float(value)
         except (ValueError, UsageError):
             raise PharosError(f"{path}: line {number} is no NAME VALUE: '{line}'") from None
-    return values
+
+
+def read_file(path: str | Path, component: int | None = None) -> dict[str, float]:
+    """Name and value of each line of MAVProxy's .parm (NAME VALUE), Mission Planner's (NAME,VALUE)
+    or QGroundControl's (system, component, NAME, VALUE, type), of which a component's can be
+    picked: a vehicle's file has those of all. PharosError: what is wrong, and in which line."""
+    return {
+        name: value
+        for of, name, value in _read_lines(path)
+        if component is None or of is None or of == component
+    }
+
+
+def components_in(path: str | Path) -> list[int]:
+    """The components that the lines of a file of QGroundControl are of; of other files none."""
+    return sorted({of for of, _, _ in _read_lines(path) if of is not None})
 
 
 def write_file(path: str | Path, parameters: Iterable[Parameter], system: int, of: int) -> None:

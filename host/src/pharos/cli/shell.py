@@ -14,7 +14,15 @@ from typing import IO, Any
 from ..errors import CommandError, PharosError, SilentError, UsageError
 from ..ftp import FileClient
 from ..light import Light, Status
-from ..parameters import Parameter, Parameters, is_same, read_file, text_of, write_file
+from ..parameters import (
+    Parameter,
+    Parameters,
+    components_in,
+    is_same,
+    read_file,
+    text_of,
+    write_file,
+)
 from ..text import json_line, printable
 
 OK, REFUSED, USAGE, SILENT = 0, 1, 2, 3
@@ -352,7 +360,9 @@ def _param_save(shell: Shell, path: str) -> None:
 
 def _param_load(shell: Shell, path: str) -> None:
     """Sets what it can; what it cannot is told, and makes it fail."""
-    wanted = read_file(path)
+    own = shell.light.connection.target.component
+    wanted = read_file(path, own)
+    others = [component for component in components_in(path) if component != own]
     done, refused = Parameters(shell.light).set_all(wanted)
     for parameter in done:
         _say_parameter(shell, parameter)
@@ -360,14 +370,17 @@ def _param_load(shell: Shell, path: str) -> None:
         shell.printer.error(error, "param")
     same = len(wanted) - len(done) - len(refused)
     text = f"{len(done)} set, {same} were so already"
+    if others:
+        text += f", left out: those of component {', '.join(map(str, others))}"
     if refused:
         raise PharosError(f"{text}, {len(refused)} refused")
-    shell.printer.fields(text, command="param", ok=True, set=len(done), same=same)
+    shell.printer.fields(text, command="param", ok=True, set=len(done), same=same, left_out=others)
 
 
 def _param_diff(shell: Shell, path: str) -> None:
     """Exit code 1 if they differ, as diff has it."""
-    wanted, now = read_file(path), Parameters(shell.light).fetch_all()
+    wanted = read_file(path, shell.light.connection.target.component)
+    now = Parameters(shell.light).fetch_all()
     lines = 0
     for name in [*wanted, *(name for name in now if name not in wanted)]:
         here = now[name].value if name in now else None
