@@ -8,6 +8,8 @@ reads exactly those. Nothing depends on how fast the host is.
 
 from __future__ import annotations
 
+import contextlib
+import random
 import shlex
 import socket
 import subprocess
@@ -37,6 +39,8 @@ CHUNK_MIN_US = 100_000
 CHUNK_MAX_US = 20_000_000
 CHUNK_START_US = 1_000_000
 CHUNK_BYTES = 1024
+# The first of eight UDP ports each, below those that Linux gives to who asks for any.
+RESERVED_PORTS = range(20_000, 32_000, 8)
 # Changes of the output that one reply may list.
 EDGES_MAX = 10_000
 
@@ -121,11 +125,16 @@ class Simulator:
         return text.replace("{folder}", str(self.folder))
 
     def _reserve_port(self) -> int:
-        """A port for a bus on loopback's broadcast address. Binding another address of the host
-        keeps it from being handed out again."""
+        """A port for a bus on loopback's broadcast address, and those behind it for IMC's
+        announcements. Binding another address of the host keeps it from being handed out again;
+        the kernel gives none of these to who asks for any port."""
         if self._reservation is None:
             self._reservation = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-            self._reservation.bind(("127.0.0.1", 0))
+            for port in random.SystemRandom().sample(RESERVED_PORTS, len(RESERVED_PORTS)):
+                with contextlib.suppress(OSError):
+                    self._reservation.bind(("127.0.0.1", port))
+                    return port
+            raise SimulatorError("no UDP port is free")
         return int(self._reservation.getsockname()[1])
 
     # --- the process --------------------------------------------------------------------------
