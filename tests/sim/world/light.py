@@ -75,11 +75,15 @@ class Light:
         )
         if self.node is not None:
             self.node.subscribe(uavcan.protocol.NodeStatus, self._hears_node)
+            self.oracle.around.node_us = 0
         self.imc = self.sim.imc() if "imc" in self.world.plan.features else None
         self.configure()
 
     def _hears_node(self, transfer: Transfer) -> None:
-        if transfer.header.source == OWN_NODE and self.began_us:
+        if transfer.header.source != OWN_NODE:
+            return
+        self.oracle.around.node_us = self.now_us()
+        if self.began_us:
             self.oracle.node_health(self.now_us(), int(transfer.message.health))
 
     # --- before the story begins --------------------------------------------------------------

@@ -55,6 +55,7 @@ LOSS_ERROR_US = 1_000_000
 # A converter that fails is known to by then.
 CHIP_US = 1_500_000
 # A node with the light's id is told of, and forgotten.
+NODE_US = 3_500_000  # NodeStatus comes each second
 CLASH_US = 4_000_000
 CLASH_OVER_US = 12_000_000
 # A change is stored when it has stood for a second; one that goes on changing, after 30 s.
@@ -160,6 +161,7 @@ class Circumstances:
     wire_faulty: bool = False
     bus_faulty: bool = False
     bus_us: int = 0
+    node_us: int | None = None  # its last NodeStatus; None: nobody listens
     chip: str = "none"
     chip_us: int = 0
     adc_us: int = 0
@@ -375,6 +377,7 @@ class Oracle:
         self._check_chip(now_us, level)
         self._check_level(now_us, level)
         self._check_answers(now_us)
+        self._check_node(now_us)
         servos = outputs["servos"]
         is_at = (servos["pan"]["angle_mdeg"] / 1000, servos["tilt"]["angle_mdeg"] / 1000)
         self.gimbal.sample(now_us, is_at, self.around.stalled_us is None)
@@ -512,6 +515,15 @@ class Oracle:
         if stalled_us is not None and now_us - stalled_us > HEAL_US:
             self.around.stalled_us = None
             self._broken(now_us, "a thread hangs, and the watchdog has not bitten")
+
+    def _check_node(self, now_us: int) -> None:
+        around = self.around
+        if around.node_us is None or around.bus_faulty or around.stalled_us is not None:
+            return
+        since = max(around.node_us, around.bus_us, around.healthy_us, around.up_us)
+        if now_us - since > NODE_US:
+            self._broken(now_us, "nothing is heard of it on a CAN bus that is well")
+            around.node_us = now_us
 
     def edges(self, edges: list[tuple[int, int]]) -> None:
         """Changes of the level since the last call: [time, ppm]."""
