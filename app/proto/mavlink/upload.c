@@ -209,6 +209,17 @@ uint8_t mavlink_upload_open(struct mavlink_upload *self, const struct mavlink_co
 	return MAV_FTP_ERR_NONE;
 }
 
+/* MAV_FTP_ERR_NONE: the client may go on now. */
+static uint8_t proceed(struct mavlink_upload *self, const struct mavlink_context *context)
+{
+	if (!may(self, context)) {
+		stop(self, context);
+		return MAV_FTP_ERR_FILEPROTECTED;
+	}
+	self->used_us = context->now_us;
+	return self->state == MAVLINK_UPLOAD_OPEN ? MAV_FTP_ERR_NONE : MAVLINK_FTP_LATER;
+}
+
 /* --- bytes ------------------------------------------------------------------------------------ */
 
 uint8_t mavlink_upload_write(struct mavlink_upload *self, const struct mavlink_context *context,
@@ -217,13 +228,11 @@ uint8_t mavlink_upload_write(struct mavlink_upload *self, const struct mavlink_c
 	if (is_at_rest(self) || !mavlink_upload_has(self, context, request->session)) {
 		return MAV_FTP_ERR_INVALIDSESSION;
 	}
-	if (!may(self, context)) {
-		stop(self, context);
-		return MAV_FTP_ERR_FILEPROTECTED;
-	}
-	self->used_us = context->now_us;
-	if (self->state != MAVLINK_UPLOAD_OPEN) {
-		return MAVLINK_FTP_LATER;
+
+	const uint8_t verdict = proceed(self, context);
+
+	if (verdict != MAV_FTP_ERR_NONE) {
+		return verdict;
 	}
 	if (request->size == 0) {
 		return MAV_FTP_ERR_INVALIDDATASIZE;
@@ -252,13 +261,11 @@ uint8_t mavlink_upload_terminate(struct mavlink_upload *self, const struct mavli
 	if (self->state == MAVLINK_UPLOAD_INSTALLED) {
 		return MAV_FTP_ERR_NONE;
 	}
-	if (!may(self, context)) {
-		stop(self, context);
-		return MAV_FTP_ERR_FILEPROTECTED;
-	}
-	self->used_us = context->now_us;
-	if (self->state != MAVLINK_UPLOAD_OPEN) {
-		return MAVLINK_FTP_LATER;
+
+	const uint8_t verdict = proceed(self, context);
+
+	if (verdict != MAV_FTP_ERR_NONE) {
+		return verdict;
 	}
 	self->state = MAVLINK_UPLOAD_CHECKING;
 	context->out->upload = MAVLINK_OUTBOX_UPLOAD_LAST;

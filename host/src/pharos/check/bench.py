@@ -22,6 +22,7 @@ from ..light import (
 )
 from ..photodiode import Photodiode
 from .spec import Failed, NotOffered, expect
+from .transcript import Transcript
 
 # How long an answer may take, and how long a second one is waited for [µs].
 ANSWER_US = 1_000_000
@@ -35,7 +36,6 @@ HEARTBEAT_US = 1_000_000
 # A light of which nothing has been heard for this long has fallen silent [µs].
 SILENCE_US = 6_000_000
 OBSERVATION_US = 6_000_000
-LOG_MAX = 60
 
 IN_PROGRESS = 5
 DENIED = 2
@@ -96,8 +96,8 @@ class Facts:
     listed: list[Any] = field(default_factory=list)
 
 
-class Bench:
-    """Talks to one light. `log` tells what was sent and seen since begin()."""
+class Bench(Transcript):
+    """Talks to one light."""
 
     def __init__(
         self,
@@ -105,37 +105,19 @@ class Bench:
         key: bytes = b"",
         photodiode: Photodiode | None = None,
     ) -> None:
+        super().__init__(connection.pacer, SILENCE_US)
         self.connection = connection
         self.key = key
         self.photodiode = photodiode
         self.d = connection.dialect
         self.facts = Facts()
-        self.log: list[str] = []
-        self._start_us = connection.pacer.now_us()
-        self._beat_us = self._start_us - HEARTBEAT_US
-        self.heard_us = self._start_us
+        self._beat_us = self.heard_us - HEARTBEAT_US
         self._malformed = 0
         self._fresh: list[Heard] = []
 
     @property
     def target(self) -> Target:
         return self.connection.target
-
-    def now(self) -> int:
-        return self.connection.pacer.now_us()
-
-    def is_silent(self) -> bool:
-        return self.now() - self.heard_us > SILENCE_US
-
-    # --- the transcript -----------------------------------------------------------------------
-    def begin(self) -> None:
-        self.log = []
-
-    def note(self, text: str) -> None:
-        if len(self.log) < LOG_MAX:
-            self.log.append(f"{(self.now() - self._start_us) / 1e6:9.3f}  {text}")
-        elif len(self.log) == LOG_MAX:
-            self.log.append("           …")
 
     # --- sending ------------------------------------------------------------------------------
     def send(self, message: Any, *, version: int = 2) -> None:

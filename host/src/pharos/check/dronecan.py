@@ -18,6 +18,7 @@ from ..link import Pacer
 from ..text import json_line
 from .run import Report, Result, run_one
 from .spec import PROFILES, Level, NotOffered, Requirement, expect, group, requirement
+from .transcript import Transcript
 
 SPECIFICATION = "https://dronecan.github.io/Specification/"
 DSDL = "https://dronecan.github.io/Specification/7._List_of_standard_data_types/#"
@@ -28,7 +29,6 @@ OBSERVATION_US = 5_500_000
 SILENCE_US = 3_000_000  # NodeStatus.OFFLINE_TIMEOUT_MS
 STEP_US = 10_000
 PARAMETERS_MAX = 8192
-LOG_MAX = 60
 
 protocol = uavcan.protocol
 Status = protocol.NodeStatus
@@ -44,36 +44,21 @@ class Heard:
         return self.transfer.message
 
 
-class DronecanBench:
-    """Talks to one node. `log` tells what was sent and seen since begin()."""
+class DronecanBench(Transcript):
+    """Talks to one node."""
 
     def __init__(self, node: DronecanNode, number: int, pacer: Pacer) -> None:
+        super().__init__(pacer, SILENCE_US)
         self.node = node
         self.number = number
-        self.pacer = pacer
-        self.log: list[str] = []
         self.parameters: dict[str, Any] | None = None
         self.repeated = ""  # a parameter that is listed twice
         self._observation: list[Heard] | None = None
-        self._start_us = self.heard_us = pacer.now_us()
         self._fresh: list[Heard] = []
         node.monitors.append(self._on_transfer)
 
     def close(self) -> None:
         self.node.monitors.remove(self._on_transfer)
-
-    def now(self) -> int:
-        return self.pacer.now_us()
-
-    def begin(self) -> None:
-        self.log = []
-
-    def is_silent(self) -> bool:
-        return self.now() - self.heard_us > SILENCE_US
-
-    def note(self, text: str) -> None:
-        if len(self.log) < LOG_MAX:
-            self.log.append(f"{(self.now() - self._start_us) / 1e6:9.3f}  {text}")
 
     def _on_transfer(self, transfer: Transfer) -> None:
         if transfer.header.source != self.number:

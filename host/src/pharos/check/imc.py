@@ -16,6 +16,7 @@ from ..imc.codec import checksum
 from ..link import Pacer
 from .run import Report, Result, run_one
 from .spec import PROFILES, Level, NotOffered, Requirement, expect, group, requirement
+from .transcript import Transcript
 
 IMC = "https://www.lsts.pt/docs/imc/"
 HEADER_PAGE, CORE_PAGE, ACTUATION_PAGE = IMC + "#header", IMC + "#core", IMC + "#actuation"
@@ -23,7 +24,6 @@ ANSWER_US = 1_000_000
 OBSERVATION_US = 5_500_000
 SILENCE_US = 6_000_000
 STEP_US = 10_000
-LOG_MAX = 60
 DIM = 13  # of 255: 5 %
 QUERY, REPORT = 1, 0  # EntityList.op
 STATES = range(5)  # EntityState.state
@@ -36,30 +36,18 @@ class Heard:
     packet: Packet
 
 
-class ImcBench:
-    """Talks to one node. led: what its LED is called. `log` tells what was sent and seen."""
+class ImcBench(Transcript):
+    """Talks to one node. led: what its LED is called."""
 
     def __init__(self, peer: ImcPeer, pacer: Pacer, led: str) -> None:
+        super().__init__(pacer, SILENCE_US)
         self.peer = peer
-        self.pacer = pacer
         self.led = led
-        self.log: list[str] = []
         self._observation: list[Heard] | None = None
-        self._start_us = self.heard_us = pacer.now_us()
         self._beat_us = -1
 
-    def now(self) -> int:
-        return self.pacer.now_us()
-
-    def begin(self) -> None:
-        self.log = []
-
-    def is_silent(self) -> bool:
-        return self.now() - self.heard_us > SILENCE_US
-
     def note(self, text: str) -> None:
-        if len(self.log) < LOG_MAX:
-            self.log.append(f"{(self.now() - self._start_us) / 1e6:9.3f}  {text[:300]}")
+        super().note(text[:300])
 
     def send_raw(self, data: bytes, what: str) -> None:
         self.note(f"→ {what}")
