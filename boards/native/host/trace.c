@@ -140,11 +140,12 @@ static int start(void)
 
 static void save(void)
 {
-	if (sink.fd >= 0) {
+	/* The end needs room too: it may be what says how many are lost. */
+	if (sink.fd >= 0 && sink_finish(&sink, HELPER_FINISH_MS)) {
 		flush();
+		(void)sink_finish(&sink, HELPER_FINISH_MS);
 	}
 	if (sink.fd >= 0) {
-		(void)sink_finish(&sink, HELPER_FINISH_MS);
 		check_file();
 	}
 }
