@@ -10,6 +10,7 @@
 
 #include <pharos/drivers/light.h>
 #include <pharos/drivers/probe.h>
+#include <pharos/drivers/thermistor.h>
 
 #include "proto/mavlink/gimbal_service.h"
 #include "proto/mavlink/illuminator_service.h"
@@ -54,6 +55,7 @@ static struct {
 	bool driver_fault;
 	int64_t driver_us;
 	int64_t clash_us;
+	int64_t simulated_us;
 } told;
 
 /* The gimbal, if there is one: a component of its own. */
@@ -336,6 +338,16 @@ static void tell_clash(int64_t now_us)
 	}
 }
 
+/* The lamp is lit, and nothing protects it: somebody has said so, and everybody is to know. */
+static void tell_simulated(int64_t now_us)
+{
+	if (thermistor_is_simulated(devices.thermistor) && now_us >= told.simulated_us) {
+		told.simulated_us = now_us + TOLD_AGAIN_US;
+		mavlink_endpoint_text(&endpoint, now_us, 4 /* MAV_SEVERITY_WARNING */,
+		                      "Simulated sensor: lamp unprotected from heat");
+	}
+}
+
 void mavlink_node_step(void)
 {
 	const int64_t now_us = clock_now_us();
@@ -349,6 +361,7 @@ void mavlink_node_step(void)
 	tell_driver_fault(now_us);
 	tell_lock(now_us);
 	tell_clash(now_us);
+	tell_simulated(now_us);
 	mavlink_endpoint_step(&endpoint, now_us, &out);
 }
 

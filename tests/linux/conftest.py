@@ -22,6 +22,7 @@ else:
     sys.path.insert(0, str(ROOT / "tests" / "native"))
     from guest_can import vcan
     from guest_gpio import GpioSim
+    from guest_i2c import Lm75
     from guest_light import BINARIES, Light, Start
 
 
@@ -72,3 +73,11 @@ def start_can(tmp_path: Path) -> Iterator[Start]:
     """The same where the libgpiod is beside the point: with the sanitizer, if it is there."""
     with Light.starter(BINARIES[max(BINARIES)], tmp_path) as begin:
         yield begin
+
+
+@pytest.fixture
+def lm75() -> Iterator[Lm75]:
+    """A temperature sensor on the guest's I2C bus."""
+    chip = Lm75()
+    yield chip
+    chip.remove()

@@ -51,7 +51,8 @@ Start = Callable[..., "Light"]
 class Light:
     """The native light in real time, with a shell and a control socket."""
 
-    def __init__(self, binary: Path, folder: Path, *options: str) -> None:
+    def __init__(self, binary: Path, folder: Path, *options: str, sampled: bool = True) -> None:
+        """sampled: its temperature will be known."""
         control = folder / "control"
         self.stderr = folder / "stderr"
         with self.stderr.open("wb") as stderr, (folder / "console").open("wb") as console:
@@ -62,7 +63,8 @@ class Light:
         self._console = folder / "console"
         try:
             self._control = until("the control socket", lambda: self._connect(control))
-            until("a first sample", lambda: self.do("outputs")["limit_ppm"] > 0)
+            if sampled:
+                until("a first sample", lambda: self.do("outputs")["limit_ppm"] > 0)
         except BaseException:
             self.process.kill()
             self.process.wait(PATIENCE_S)

@@ -249,7 +249,8 @@ def test_killed_light_leaves_the_lamp_dark_and_the_next_one_the_bus(
     start_can: Start, gpio_sim: Callable[..., GpioSim], vcan0: str
 ) -> None:
     chip = gpio_sim("LAMP")
-    options = ("--can0", f"socketcan:{vcan0}", "--gpio", f"gpiochip:{chip.device},enable=LAMP")
+    lamp = ("--gpio", f"gpiochip:{chip.device},enable=LAMP", "--unsafe-simulated-sensor")
+    options = ("--can0", f"socketcan:{vcan0}", *lamp)
     light = start_can(*options)
     with client(vcan0) as mav:
         command(mav, ON_OFF, 1)

@@ -26,8 +26,12 @@ def chip(gpio_sim: Callable[..., GpioSim]) -> GpioSim:
     return gpio_sim(*LINES)
 
 
-def options(chip: GpioSim, uses: str) -> tuple[str, str]:
-    return "--gpio", f"gpiochip:{chip.device},{uses}"
+# The lamp is real to the light, and its temperature is beside the point here.
+UNSAFE = "--unsafe-simulated-sensor"
+
+
+def options(chip: GpioSim, uses: str) -> tuple[str, ...]:
+    return "--gpio", f"gpiochip:{chip.device},{uses}", UNSAFE
 
 
 def refusal(binary: Path, *words: str) -> str:
@@ -242,7 +246,7 @@ def test_chip_that_keeps_its_level_is_what_it_says(
 def test_lamp_is_off_on_a_chip_that_keeps_its_level(
     start: Start, chip: GpioSim, keeping_chip: KeepingChip, number: signal.Signals
 ) -> None:
-    light = start("--gpio", f"gpiochip:{keeping_chip.device},enable=0")
+    light = start("--gpio", f"gpiochip:{keeping_chip.device},enable=0", UNSAFE)
     light.shell("light on")
     until("lit", lambda: chip.value("LAMP") == 1)
     assert light.signal(number) == -number
@@ -265,7 +269,7 @@ def test_light_takes_the_lines_of_a_killed_one(start: Start, chip: GpioSim) -> N
 
 
 def test_killed_guard_is_replaced(start: Start, chip: GpioSim, keeping_chip: KeepingChip) -> None:
-    light = start("--gpio", f"gpiochip:{keeping_chip.device},enable=0")
+    light = start("--gpio", f"gpiochip:{keeping_chip.device},enable=0", UNSAFE)
     light.shell("light on")
     until("lit", lambda: chip.value("LAMP") == 1)
     for _ in range(2):

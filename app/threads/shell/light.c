@@ -10,6 +10,7 @@
 #include <zephyr/shell/shell.h>
 
 #include <pharos/drivers/light.h>
+#include <pharos/drivers/thermistor.h>
 
 #include "core/decimal.h"
 #include "threads/clock.h"
@@ -263,6 +264,9 @@ static int cmd_light_status(const struct shell *sh, size_t argc, char **argv)
 	if (light.errors > 0) {
 		shell_print(sh, "%-14s%u that failed, last %d", "writes", light.errors,
 		            light.error);
+	}
+	if (thermistor_is_simulated(devices.thermistor)) {
+		shell_print(sh, "%-14sSIMULATED: nothing protects the lamp from heat", "sensor");
 	}
 	if (inputs.has_driver_fault) {
 		shell_print(sh, "%-14s%s, %u faults", "driver",

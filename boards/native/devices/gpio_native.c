@@ -11,6 +11,7 @@
 
 #include "devices/fault.h"
 #include "host/clock.h"
+#include "host/hardware.h"
 #include "models/board.h"
 
 #define SUPPORTED                                                                                  \
@@ -55,6 +56,9 @@ static int gpio_native_pin_configure(const struct device *port, gpio_pin_t pin, 
 	}
 	if ((flags & ~SUPPORTED) != 0) {
 		return -ENOTSUP;
+	}
+	if (pin == BOARD_LINE_LAMP_ENABLE && !hardware_allows_light()) {
+		return -EPERM;
 	}
 	key = irq_lock();
 	data->output = with_bit(data->output, pin, (flags & GPIO_OUTPUT) != 0);

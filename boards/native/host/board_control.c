@@ -12,6 +12,7 @@
 #include "host/carry.h"
 #include "host/clock.h"
 #include "host/control.h"
+#include "host/hardware.h"
 #include "host/module.h"
 #include "host/prng.h"
 #include "host/reset.h"
@@ -143,6 +144,7 @@ static enum control_result run_outputs(struct control_call *call)
 	json_object_set_new(call->reply, "servos", servos_object());
 	json_object_set_new(call->reply, "lcd", lcd_object());
 	control_put_integer(call->reply, "focus_ppm", focus_motor_ppm(&board.focus));
+	control_put_bool(call->reply, "unprotected", hardware_is_unprotected());
 	control_put_integer(call->reply, "resets", world.resets);
 	control_put_string(call->reply, "reset_cause", reset_cause_name(reset_last_cause()));
 	control_put_integer(call->reply, "reset_us", (int64_t)clock_boot_us());

@@ -22,20 +22,20 @@ BUILD_ASSERT(!DT_NODE_HAS_STATUS(DT_NODELABEL(pwm0), disabled));
 BUILD_ASSERT(!DT_NODE_HAS_STATUS(DT_NODELABEL(no_such_label), okay));
 BUILD_ASSERT(DT_SAME_NODE(DT_ALIAS(light0), DT_NODELABEL(light0)));
 BUILD_ASSERT(DT_SAME_NODE(DT_PARENT(DT_NODELABEL(sync_input)), DT_INST(0, pharos_input_lines)));
-BUILD_ASSERT(DT_NODE_HAS_COMPAT(DT_ALIAS(thermistor0), pharos_thermistor_ntc));
+BUILD_ASSERT(DT_NODE_HAS_COMPAT(DT_NODELABEL(thermistor_ntc), pharos_thermistor_ntc));
 BUILD_ASSERT(DT_HAS_CHOSEN(zephyr_shell_uart));
 BUILD_ASSERT(!DT_HAS_CHOSEN(zephyr_flash));
 BUILD_ASSERT(DT_NUM_INST_STATUS_OKAY(pharos_uart_host) == 5);
 BUILD_ASSERT(DT_NUM_INST_STATUS_OKAY(no_such_compat) == 0);
-BUILD_ASSERT(DT_PROP(DT_ALIAS(thermistor0), beta_kelvin) == 3435);
-BUILD_ASSERT(DT_PROP_OR(DT_ALIAS(thermistor0), beta_kelvin, 1) == 3435);
-BUILD_ASSERT(DT_PROP_OR(DT_ALIAS(thermistor0), no_such_prop, 42) == 42);
+BUILD_ASSERT(DT_PROP(DT_NODELABEL(thermistor_ntc), beta_kelvin) == 3435);
+BUILD_ASSERT(DT_PROP_OR(DT_NODELABEL(thermistor_ntc), beta_kelvin, 1) == 3435);
+BUILD_ASSERT(DT_PROP_OR(DT_NODELABEL(thermistor_ntc), no_such_prop, 42) == 42);
 BUILD_ASSERT(DT_NODE_HAS_PROP(DT_ALIAS(light0), enable_gpios));
 BUILD_ASSERT(!DT_NODE_HAS_PROP(DT_ALIAS(light0), no_such_prop));
 BUILD_ASSERT(DT_PWMS_PERIOD(DT_ALIAS(light0)) == 500000);
 BUILD_ASSERT(DT_GPIO_PIN(DT_ALIAS(button0), gpios) == 2);
 BUILD_ASSERT(DT_GPIO_FLAGS(DT_ALIAS(button0), gpios) == (GPIO_ACTIVE_LOW | GPIO_PULL_UP));
-BUILD_ASSERT(DT_IO_CHANNELS_INPUT(DT_ALIAS(thermistor0)) == 0);
+BUILD_ASSERT(DT_IO_CHANNELS_INPUT(DT_NODELABEL(thermistor_ntc)) == 0);
 
 #define COUNT_ONE(node_id) +1
 BUILD_ASSERT((0 DT_FOREACH_STATUS_OKAY(pharos_uart_host, COUNT_ONE)) == 5);

@@ -16,6 +16,7 @@
 #include "host/carry.h"
 #include "host/clock.h"
 #include "host/control.h"
+#include "host/hardware.h"
 #include "host/loop.h"
 #include "host/module.h"
 #include "host/say.h"
@@ -453,6 +454,9 @@ static int start(void)
 	if (clock_is_virtual()) {
 		fprintf(stderr, "pharos: --gpio: a real chip needs --time real\n");
 		return EXIT_OPTION;
+	}
+	if (wanted[ROLE_ENABLE][0] != '\0' || wanted[ROLE_STROBE][0] != '\0') {
+		hardware_lamp("--gpio");
 	}
 	check.fire = on_check;
 	retry.fire = on_retry;

@@ -9,9 +9,11 @@
 #ifndef PHAROS_DRIVERS_THERMISTOR_H_
 #define PHAROS_DRIVERS_THERMISTOR_H_
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include <zephyr/device.h>
+#include <zephyr/sys/util.h>
 
 enum thermistor_status {
 	THERMISTOR_OK,
@@ -25,7 +27,8 @@ struct thermistor_sample {
 	int32_t temp_mdegc; /* status OK: to 0.5 degC from -40 to +125 degC; else 0 */
 	/*
 	 * The sum of the conversions, 0…raw_max. Real converters have noise, so that a sum that
-	 * stays the same for long is a sign of a stuck sensor.
+	 * stays the same for long is a sign of a stuck sensor. Of a digital sensor, whose value may
+	 * stand still: the number of the sample.
 	 */
 	uint32_t raw;
 	uint32_t raw_max;
@@ -33,11 +36,22 @@ struct thermistor_sample {
 
 struct thermistor_driver_api {
 	int (*sample)(const struct device *dev, struct thermistor_sample *sample);
+	bool (*is_simulated)(const struct device *dev); /* NULL: it never is */
 };
 
 static inline int thermistor_sample(const struct device *dev, struct thermistor_sample *sample)
 {
 	return ((const struct thermistor_driver_api *)dev->api)->sample(dev, sample);
+}
+
+/* The lamp is real, and what is measured is not its temperature: nothing protects it from heat. Any
+ * context. */
+static inline bool thermistor_is_simulated(const struct device *dev)
+{
+	const struct thermistor_driver_api *api = (const struct thermistor_driver_api *)dev->api;
+
+	return IS_ENABLED(CONFIG_PHAROS_THERMISTOR_SIMULATED) && api->is_simulated != NULL &&
+	       api->is_simulated(dev);
 }
 
 #endif
