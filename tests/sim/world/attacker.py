@@ -31,6 +31,14 @@ class Attacker:
         else:
             light.send(*self._deed(light, how))
 
+    def pretend(self, light: Light) -> None:
+        """To be the vehicle and its station, at every second, as strangers on a network are."""
+        for party, message in (
+            (self.stranger, self.stranger.station()),
+            (Party(self.d, 77, 1), self.stranger.autopilot()),
+        ):
+            light.links["uart0"].send(party.frame(message, 0))
+
     def _deed(self, light: Light, how: str) -> tuple[Party, Any]:
         d, stranger = self.d, self.stranger
         here = light.address

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 from dronecan import uavcan
 
 from attacker import REAL32
-from oracle import ACCEPTED, FLIGHT_US, Effect, Oracle, Sent
+from lamp import Effect
+from oracle import ACCEPTED, FLIGHT_US, Oracle, Sent
 from parties import KEY, STAMP, Party
 from pharos import Simulator
 from pharos.can_node import DronecanNode
@@ -24,6 +25,9 @@ OWN_NODE = 68  # the light's, by default
 GIMBAL = 154
 CAN_MOST = 5 * 400  # frames of one light in 5 s
 IMC_MOST = 5 * 100  # datagrams
+# docs/imc.md: one a second to each peer; and the time may have been cut in the middle of one.
+IMC_HEARTBEATS_MOST = 5 + 3
+HEARTBEAT = 150
 
 
 class Light:
@@ -53,6 +57,8 @@ class Light:
         self.frames = 0
         self.far: Party
         self.is_silent = False
+        self.insists = -1
+        self.greets = False
         self.began_us = 0
 
     @property
@@ -153,7 +159,10 @@ class Light:
             frames, self.frames = self.node.port.received - self.frames, self.node.port.received
             self.oracle.traffic(now_us, "can0", frames, CAN_MOST)
         if self.imc is not None:
-            self.oracle.traffic(now_us, "imc", len(self.imc.link.take()), IMC_MOST)
+            came = self.imc.link.take()
+            beats = sum(int.from_bytes(each[2:4], "little") == HEARTBEAT for each in came)
+            self.oracle.traffic(now_us, "imc", len(came), IMC_MOST)
+            self.oracle.traffic(now_us, "imc heartbeats", beats, IMC_HEARTBEATS_MOST)
         data = b"".join(self.links["uart0"].take())
         if not data:
             return
@@ -192,6 +201,18 @@ class Light:
             self.world.tell(self, f"says '{message.text}'")
 
     # --- what is sent to it -------------------------------------------------------------------
+    def hears_others(self) -> bool:
+        """DroneCAN and IMC may command it, and are signs of life."""
+        return "exclusion" not in self.world.plan.features and not self.oracle.key
+
+    def greet(self) -> None:
+        """A heartbeat of the IMC peer."""
+        if self.imc is None:
+            return
+        self.imc.send("Heartbeat")
+        if self.hears_others():
+            self.oracle.life(self.now_us(), False)
+
     def is_sure(self) -> bool:
         around = self.oracle.around
         now_us = self.now_us()

@@ -12,11 +12,15 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
 from gimbal_oracle import GimbalOracle
+from hardpoint_oracle import HardpointOracle
+from lamp import BEACON, INTERNAL, Effect, Lamp, turned
+from sensor_oracle import SensorOracle
+from strobe_oracle import StrobeOracle
 
 ACCEPTED = 0
 TEMPORARILY_REJECTED = 1
@@ -27,7 +31,6 @@ FAILED = 4
 ON_OFF = 405
 CONFIGURE = 406
 
-INTERNAL = 1
 # Whom a MAVLink 1 COMMAND_ACK is for: it has no such fields.
 NOBODY = (0, 0)
 
@@ -58,69 +61,11 @@ CHIP_US = 1_500_000
 NODE_US = 3_500_000  # NodeStatus comes each second
 CLASH_US = 4_000_000
 CLASH_OVER_US = 12_000_000
-# A change is stored when it has stood for a second; one that goes on changing, after 30 s.
+# docs/settings.md: a change is stored when it has stood for a second; one that goes on changing
+# after 30 s; twenty at most as fast as that.
 STORE_US = 32_000_000
-
-
-@dataclass(frozen=True)
-class Lamp:
-    """What was commanded, as ILLUMINATOR_STATUS says it."""
-
-    enable: bool = False
-    mode: int = INTERNAL
-    brightness: float = 100.0
-    period: float = 0.0
-    duty: float = 100.0
-
-    kept: bool = False  # over a reset, in parts per million and microseconds: so rounded
-
-    def shows_as(self, said: Lamp) -> bool:
-        """Whether a status that says this fits: exactly, or rounded if it was kept."""
-        if (said.enable, said.mode) != (self.enable, self.mode):
-            return False
-        pairs = (
-            (self.brightness, said.brightness, 1.5e-4),
-            (self.period, said.period, 1.5e-6),
-            (self.duty, said.duty, 1.5e-4),
-        )
-        return all(a == b or (self.kept and abs(a - b) < error) for a, b, error in pairs)
-
-
-# docs/parameters.md: the beacon by default.
-BEACON = Lamp(enable=True, brightness=100.0, period=1.0, duty=10.0)
-
-Effect = Callable[[Lamp], Lamp]
-
-
-def turned(on: bool) -> Effect:
-    return lambda lamp: replace(lamp, enable=on)
-
-
-def configured(brightness: float, period: float, duty: float, mode: int) -> Effect:
-    return lambda lamp: replace(
-        lamp, brightness=brightness, period=period, duty=duty, mode=mode, kept=False
-    )
-
-
-def dimmed(value: int) -> Effect:
-    """IMC's SetLedBrightness: 0 is off and keeps the brightness, else that share of 255."""
-    if value == 0:
-        return turned(False)
-    return lambda lamp: replace(lamp, enable=True, brightness=value / 2.55, kept=True)
-
-
-def nothing(lamp: Lamp) -> Lamp:
-    return lamp
-
-
-def is_in_range(brightness: float, period: float, duty: float, mode: int) -> bool:
-    """common.xml, MAV_CMD_DO_ILLUMINATOR_CONFIGURE; 0.01 to 10 s are this light's."""
-    return (
-        0.0 <= brightness <= 100.0
-        and (period == 0.0 or 0.0099999 <= period <= 10.0)
-        and 0.0 <= duty <= 100.0
-        and mode in (1, 2)
-    )
+STOOD_US = 2_500_000
+BURST = 20
 
 
 @dataclass
@@ -158,6 +103,7 @@ class Circumstances:
     sensor: str = "none"
     sensor_us: int = 0
     stalled_us: int | None = None
+    torn_us: int | None = None  # since when the flash may fail, until a reset
     wire_faulty: bool = False
     bus_faulty: bool = False
     bus_us: int = 0
@@ -192,10 +138,14 @@ class Oracle:
         self._latched_us: int | None = None
         self._may_be_latched = False  # within the sensor's error
         self._steady_us = 0  # since when the set of possible states is the same
+        self._commands = 0  # that may have changed the lamp since the reset
+        self._ruled_us = -1  # when a status last ruled states out
+        self._edge_us = -1  # when a command began a phase, rather than showed one
         self._traffic: dict[str, deque[tuple[int, int]]] = {}
         self.gimbal = GimbalOracle(self._broken)
-        self._edges: deque[tuple[int, int]] = deque(maxlen=8)
-        self._level = 0
+        self._hardpoint = HardpointOracle()
+        self._sensor = SensorOracle()
+        self._strobe = StrobeOracle(self._broken)
 
     # --- what may be --------------------------------------------------------------------------
     def _closure(self, states: Iterable[Lamp], sent: Iterable[Sent]) -> set[Lamp]:
@@ -229,12 +179,14 @@ class Oracle:
             BEACON if self.fallback == "loss-beacon" else replace(state, enable=False)
             for state in self.certain
         }
-        if now_us - around.may_be_heard_us > LOSS_US + LOSS_ERROR_US:
+        silent_us = now_us - around.may_be_heard_us
+        if silent_us > LOSS_US + LOSS_ERROR_US and around.heard_us is not None:
             changed = fallen
         elif self._may_be_lost(now_us):
             changed = self.certain | fallen
         else:
             return
+        self._hardpoint.forget()
         if changed != self.certain:
             self.certain = changed
             self._changed(now_us)
@@ -252,6 +204,7 @@ class Oracle:
         self._settle(one.at_us)
         self.tally.commands += 1
         if authorised:
+            self._commands += 1
             self.pending.append(one)
             self._changed(one.at_us)
             self.life(one.at_us, False)  # a sign of life for sure once it is accepted
@@ -259,11 +212,24 @@ class Oracle:
     def switched(self, now_us: int, effect: Effect) -> None:
         """By a protocol without answers."""
         self._settle(now_us)
+        self._commands += 1
         self.life(now_us, False)
         changed = {effect(state) for state in self.possible()}
         self.certain = changed | self.possible()
-        self.pending.clear()
+        self.spent += [one for one in self.pending if not one.is_far]
+        self.pending = [one for one in self.pending if one.is_far]
         self._changed(now_us)
+
+    def hardpoint(self, now_us: int, on: int) -> None:
+        """A command of the DroneCAN node, new or repeated."""
+        self._settle(now_us)
+        around = self.around
+        hears = not around.bus_faulty and now_us - around.bus_us > FLIGHT_US
+        sure = hears and not self._may_fail(now_us) and not self._may_be_lost(now_us)
+        if self._hardpoint.sent(now_us, on, sure):
+            self.switched(now_us, turned(bool(on)))
+        else:
+            self.life(now_us, False)
 
     def life(self, now_us: int, sure: bool) -> None:
         """A sign of life of a commander. One that comes in the instant of the loss may be late."""
@@ -297,7 +263,11 @@ class Oracle:
             self.tally.accepted += 1
             if command in (ON_OFF, CONFIGURE):
                 self.life(max(one.at_us, self.around.heard_us or 0), True)
+                if not one.is_far:
+                    self._hardpoint.taken(one.at_us)
             obeyed = {one.effect(state) for state in before}
+            if now_us > self._ruled_us and all(not s.enable or s.glows for s in before):
+                self._edge_us = now_us
             before = before | obeyed if one.is_far else obeyed
         else:
             self.tally.refused += 1
@@ -327,7 +297,8 @@ class Oracle:
             self._broken(now_us, f"the status says {said}, and nobody commanded that: {shown}")
             self.certain, self.pending = {said}, []
         elif not self.pending and self.certain != fitting:
-            self.certain = fitting or {said}
+            self.certain = fitting
+            self._ruled_us = now_us
             self._changed(now_us)
         if math.isnan(message.temp_c) and self._is_healthy(now_us):
             self._broken(now_us, "the sensor is well, and the status has no temperature")
@@ -368,9 +339,13 @@ class Oracle:
         self._hottest.append((now_us, temp_c))
         while now_us - self._hottest[0][0] > SETTLE_US:
             self._hottest.popleft()
-        if temp_c >= SHUTDOWN_C - SENSOR_ERROR_C:
+        hot_c = SHUTDOWN_C - SENSOR_ERROR_C
+        failing = not self._is_healthy(now_us)
+        if self._sensor.sample(now_us, temp_c, self.around.sensor, failing, hot_c) or (
+            temp_c >= hot_c
+        ):
             self._may_be_latched = True
-        elif temp_c < RECOVER_C - SENSOR_ERROR_C and self._latched_us is None:
+        elif temp_c < RECOVER_C - SENSOR_ERROR_C and self._latched_us is None and not failing:
             self._may_be_latched = False
         level = int(outputs["level_ppm"]) / 1e6
         self._check_heat(now_us, level, temp_c)
@@ -395,25 +370,36 @@ class Oracle:
         if came > self.resets_due and not stalled:
             self._broken(now_us, f"a reset that nobody asked for: {cause}")
         self.resets_due = 0
+        kept = self._stored(now_us) if self.restore else {Lamp()}
         self.around.stalled_us = None
+        self.around.torn_us = None
         self.around.up_us = now_us
         self.around.healthy_us = now_us
         self.around.heard_us = None
         self._latched_us = None
+        self._may_be_latched = False
+        self._commands = 0
+        self._hardpoint.forget()
         self.gimbal.restarted(now_us)
         self.spent += self.pending
         self.pending.clear()
-        kept = self._stored(now_us) if self.restore else {Lamp()}
         self.certain = kept
         self.history = [(now_us, frozenset(kept))]
         self._changed(now_us)
 
     def _stored(self, now_us: int) -> set[Lamp]:
-        """What may have been stored: every state in force within the time that storing may take."""
-        found: set[Lamp] = {Lamp()} if now_us < STORE_US else set()
+        """What may have been stored: what has stood for long enough, or else every state in force
+        within the time that storing may take."""
+        around = self.around
+        fails = around.torn_us is not None or around.stalled_us is not None
+        stood = now_us - max(self._steady_us, around.up_us) > STOOD_US
+        if stood and not fails and self._commands < BURST:
+            return {replace(state, kept=True) for state in self.possible()}
+        since_us = (now_us if around.torn_us is None else around.torn_us) - STORE_US
+        found: set[Lamp] = {Lamp()} if since_us < 0 else set()
         for index, (_, states) in enumerate(self.history):
             end = self.history[index + 1][0] if index + 1 < len(self.history) else now_us
-            if end >= now_us - STORE_US:
+            if end >= since_us:
                 found |= states
         return {replace(state, kept=True) for state in found}
 
@@ -447,7 +433,12 @@ class Oracle:
         lasted = now_us - self._hottest[0][0] >= SETTLE_US // 2
         sensor = self.around.sensor
         failed_for = now_us - self.around.sensor_us
-        sees = self.around.chip != "adc" and now_us - self.around.adc_us > HEAL_US
+        # docs/startup.md: while a thread hangs, for 2.25 s at most, the lamp is as it was
+        sees = (
+            self.around.chip != "adc"
+            and now_us - self.around.adc_us > HEAL_US
+            and self.around.stalled_us is None
+        )
         if sensor == "none" and failed_for > HEAL_US and lasted and sees:
             if level > self._limit(coolest) + 0.01:
                 self._broken(now_us, f"at {temp_c:.1f} degC the level is {level:.3f}")
@@ -462,6 +453,8 @@ class Oracle:
             most = SAFE if sensor == "open" else 0.0
             if level > most + 1e-6:
                 self._broken(now_us, f"the sensor is {sensor}, and the level is {level:.3f}")
+            if sensor == "short":
+                self._latched_us = now_us
 
     def _check_chip(self, now_us: int, level: float) -> None:
         """A lamp that cannot be written is as it was, until it is written: then dark. Neither is
@@ -529,38 +522,26 @@ class Oracle:
         """Changes of the level since the last call: [time, ppm]."""
         for at_us, ppm in edges:
             self.tally.edges += 1
-            rose = ppm > 0 and self._level == 0
-            fell = ppm == 0 and self._level > 0
-            self._level = ppm
-            if rose or fell:
-                self._edges.append((at_us, 1 if rose else 0))
+            if self._strobe.edge(at_us, ppm):
                 self._check_strobe(at_us)
 
     def _check_strobe(self, now_us: int) -> None:
-        """Edges of a strobe that has been in force since before the last three of them."""
         possible = self.possible()
-        if len(possible) != 1 or len(self._edges) < 3:
+        if len(possible) != 1:
             return
         (state,) = possible
-        recent = list(self._edges)[-3:]
-        begun = recent[0][0]
         if (
-            begun < self._steady_us + 2 * 10_000_000
-            or not state.enable
+            not state.enable
             or state.mode != INTERNAL
             or state.period == 0.0
             or not 0.0 < state.duty < 100.0
-            or begun - self._disturbed_us() < HEAL_US
             or self.around.chip != "none"
+            or self._may_be_latched
             or self._may_be_lost(now_us)
             or max(temp for _, temp in self._hottest) > RECOVER_C - SENSOR_ERROR_C
         ):
             return
-        period_us = recent[2][0] - recent[0][0]
+        begun_us = self._steady_us + (self._steady_us != self._edge_us)
+        since_us = max(begun_us, self._disturbed_us() + HEAL_US)
         wanted_us = state.period * 1e6
-        if abs(period_us - wanted_us) > 1.0:
-            self._broken(now_us, f"a period of {period_us} us, not {wanted_us:.0f}")
-        lit_us = recent[1][0] - recent[0][0] if recent[0][1] else recent[2][0] - recent[1][0]
-        on_us = wanted_us * state.duty / 100.0
-        if abs(lit_us - on_us) > 2.0:
-            self._broken(now_us, f"lit for {lit_us} us, not {on_us:.0f}")
+        self._strobe.check(since_us, wanted_us, wanted_us * state.duty / 100.0)

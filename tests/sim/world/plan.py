@@ -204,6 +204,19 @@ class _Draw:
             for _ in range(rng.randrange(1, 10)):
                 self.add("far", rng.randrange(2))
 
+    def habits(self) -> None:
+        """What peers do all the time for a while, once they do it."""
+        rng = self.rng
+        if "can" in self.features:
+            for _ in range(rng.randrange(1, 4)):
+                self.until("insist", (rng.randrange(2),), (-1,), 30)
+        if "imc" in self.features:
+            for _ in range(rng.randrange(1, 3)):
+                self.until("greet", (1,), (0,), 20)
+        if "attacker" in self.faults and "key" in self.features:
+            # its hour is when the owner is not there
+            self.until("silence", (1,), (0,), 30)
+
     def trouble(self) -> None:
         rng = self.rng
         for fault in sorted(self.faults):
@@ -229,8 +242,10 @@ class _Draw:
 
     def _power_cut(self, rng: random.Random) -> None:
         byte = rng.randrange(0, 200)
+        light = len(self.actions)
         when = self.add("cut", byte)
         self.add("reset", "power-on", at_us=when + int(rng.uniform(0.0, 4.0) * SECOND_US))
+        self.actions[-1] = replace(self.actions[-1], light=self.actions[light].light)
 
     def _stall(self, rng: random.Random) -> None:
         self.add("stall", rng.choice(THREADS))
@@ -288,6 +303,7 @@ def draw(seed: int) -> Plan:
     drawn.commands()
     drawn.others()
     drawn.trouble()
+    drawn.habits()
     return Plan(
         seed,
         drawn.duration_us,

@@ -13,19 +13,9 @@ from pathlib import Path
 from dronecan import uavcan
 
 from attacker import Attacker
+from lamp import configured, dimmed, is_in_range, nothing, turned
 from light import GIMBAL, HARDPOINT, OWN_NODE, Light
-from oracle import (
-    ACCEPTED,
-    DENIED,
-    TEMPORARILY_REJECTED,
-    UNSUPPORTED,
-    Sent,
-    configured,
-    dimmed,
-    is_in_range,
-    nothing,
-    turned,
-)
+from oracle import ACCEPTED, DENIED, TEMPORARILY_REJECTED, UNSUPPORTED, Sent
 from parties import CONFIGURE, KEY, MOUNT, ON_OFF, REQUEST_MESSAGE, STATUS, Party
 from pharos import find_dialect, load_dialect
 from plan import SECOND_US, Action, Plan
@@ -120,6 +110,8 @@ class World:
         while self.now_us < end_us:
             self.now_us = min(end_us, self.now_us + step_us)
             for light in self.lights:
+                if light.greets:
+                    light.greet()
                 light.advance(max(0, self.now_us - light.now_us()))
             self._shuttle()
             self.outcome.events += 1
@@ -142,7 +134,11 @@ class World:
             other.links["uart2" if name == "uart1" else "uart1"].send(data)
 
     def _beat(self) -> None:
+        if self.lights[0].insists >= 0:
+            self._hardpoint(self.lights[0], self.lights[0].insists)
         for light in self.lights:
+            if light.oracle.key and "attacker" in self.plan.faults:
+                self.attacker.pretend(light)
             if light.is_silent:
                 continue
             sure = light.is_sure()
@@ -152,6 +148,7 @@ class World:
                 is_vehicle = party is self.autopilots[light.number]
                 said = party.autopilot() if is_vehicle else party.station()
                 light.write(party, said, record=False)  # a recording of a command tells more
+            light.greet()
             light.oracle.life(light.now_us(), sure)
             light.advance(0)
 
@@ -181,6 +178,8 @@ class World:
             Action(0, "bus", ("none", 0)),
             Action(0, "clash", (0,)),
             Action(0, "chip", ("none",)),
+            Action(0, "insist", (-1,)),
+            Action(0, "greet", (0,)),
         ):
             self._perform(light, action)
         light.sim.set(temp_mdegc=25_000)
@@ -247,9 +246,17 @@ class World:
         assert light.node is not None
         light.node.broadcast(command)
         # a light with a key hears DroneCAN only if MAV_KEY_CAN says so
-        if "exclusion" not in self.plan.features and not light.oracle.key:
-            light.oracle.switched(light.now_us(), turned(bool(on)))
+        if light.hears_others():
+            light.oracle.hardpoint(light.now_us(), on)
         light.advance(0)
+
+    def _insist(self, light: Light, on: int) -> None:
+        """The node repeats a command all the time; -1: no more."""
+        self.lights[0].insists = on
+
+    def _greet(self, light: Light, on: int) -> None:
+        """The IMC peer sends many heartbeats, as if each could be lost."""
+        light.greets = bool(on)
 
     def _chatter(self, light: Light, seed: int, count: int) -> None:
         """Others' talk on the bus, none of which concerns the light."""
@@ -274,7 +281,7 @@ class World:
         assert light.imc is not None
         light.imc.send("SetLedBrightness", name="lamp", value=value)
         # a light with a key hears IMC only if MAV_KEY_IMC says so
-        if "exclusion" not in self.plan.features and not light.oracle.key:
+        if light.hears_others():
             light.oracle.switched(light.now_us(), dimmed(value))
         light.advance(0)
 
@@ -343,6 +350,7 @@ class World:
 
     def _cut(self, light: Light, byte: int) -> None:
         light.sim.fault("storage", "torn", byte=byte)
+        light.oracle.around.torn_us = light.now_us()
         self.outcome.faults += 1
 
     def _stall(self, light: Light, thread: str) -> None:
