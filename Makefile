@@ -10,6 +10,7 @@
 # make fuzz             the stage fuzz, FUZZ_RUNS=10000000 executions of each harness
 # make simulate         worlds of lights, faults and attackers: SEEDS=1:301, or SEED=42 told at length;
 #                       WORKERS=tcp://HOST:8786 spreads them over a Dask cluster
+# make simulate-speedup  do two workers find the same, nearly twice as fast? on an idle machine: SEEDS=1:201
 # make simulate-bugs    does that hunt find bugs? one after the other is built in: BUGS=no-latch
 # make simulate-worker  this machine works for that cluster: SCHEDULER=tcp://HOST:8786
 # make simulate-powerup  power-ups with chips that are late, silent or broken: SEEDS=1:10001
@@ -44,7 +45,7 @@ PYTHON = .venv/bin/python
 
 .DEFAULT_GOAL = help
 .PHONY: help run build host test lint fuzz bench picture parameters format clean
-.PHONY: simulate simulate-bugs simulate-worker simulate-powerup simulate-store coverage mutants
+.PHONY: simulate simulate-bugs simulate-speedup simulate-worker simulate-powerup simulate-store coverage mutants
 .PHONY: tools test-tools
 
 help:
@@ -83,6 +84,9 @@ simulate: test-tools build
 
 simulate-worker: test-tools build
 	@PYTHONPATH=tests/sim/world .venv/bin/dask worker $(SCHEDULER) --nworkers -1 --nthreads 1
+
+simulate-speedup: test-tools build
+	@$(PYTHON) tests/sim/world/speedup.py --seeds $(SEEDS)
 
 simulate-bugs: test-tools build
 	@$(PYTHON) tests/sim/world/seeded.py $(BUGS)

@@ -19,7 +19,7 @@ from shrink import shrink
 from world import World
 
 
-def _seeds(text: str) -> range:
+def seed_range(text: str) -> range:
     first, _, end = text.partition(":")
     try:
         seeds = range(int(first), int(end))
@@ -81,7 +81,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--seeds", type=_seeds, default=_seeds("1:301"), help="FIRST:END")
+    parser.add_argument("--seeds", type=seed_range, default=seed_range("1:301"), help="FIRST:END")
     parser.add_argument("--seed", type=int, help="tell this one's story")
     parser.add_argument("--whole", action="store_true", help="do not look for a smaller story")
     parser.add_argument(

@@ -18,7 +18,7 @@ from plan import FAULTS, FEATURES, SHORTEST_S, Action, Plan, draw
 from seeded import Bug, all_bugs
 from shrink import shrink
 from workers import SameBuild
-from world import World
+from world import Outcome, World
 
 SEEDS = range(1, 301)
 SECOND = 1_000_000
@@ -102,14 +102,14 @@ def test_what_goes_wrong_in_a_run_is_told_as_a_failure() -> None:
 
 def test_a_cluster_finds_the_same_and_a_dead_worker_costs_no_seed() -> None:
     seeds = range(1, 25)
-    alone = {outcome.seed: outcome.violations for outcome, _ in run(seeds)}
+    alone = {outcome.seed: outcome for outcome, _ in run(seeds)}
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
-        together: dict[int, list[str]] = {}
+        together: dict[int, Outcome] = {}
         for outcome, summary in run(seeds, cluster.scheduler_address):
             if not together:
                 victim = next(iter(cluster.workers.values()))
                 os.kill(victim.pid, signal.SIGKILL)
-            together[outcome.seed] = outcome.violations
+            together[outcome.seed] = outcome
             counted = summary.seeds
     assert together == alone
     assert counted == len(seeds)
