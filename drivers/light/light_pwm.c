@@ -117,8 +117,10 @@ static int light_pwm_set_level(const struct device *dev, uint32_t level_ppm)
 
 static int light_pwm_set_limit(const struct device *dev, uint32_t limit_ppm)
 {
+	const struct light_pwm_config *config = dev->config;
 	struct light_pwm_data *data = dev->data;
 	k_spinlock_key_t key;
+	uint64_t hz;
 	int rc;
 
 	if (limit_ppm > LIGHT_LEVEL_MAX_PPM) {
@@ -126,6 +128,10 @@ static int light_pwm_set_limit(const struct device *dev, uint32_t limit_ppm)
 	}
 	key = k_spin_lock(&data->lock);
 	data->state.limit_ppm = limit_ppm;
+	/* Steady light is not written again. So, ten times a second, is the PWM still there? */
+	if (pwm_get_cycles_per_sec(config->pwm.dev, config->pwm.channel, &hz) != 0) {
+		data->output_ppm = OUTPUT_UNKNOWN;
+	}
 	rc = apply(dev);
 	probe_set(probe, PROBE_LIMIT_PPM, limit_ppm);
 	k_spin_unlock(&data->lock, key);

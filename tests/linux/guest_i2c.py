@@ -71,3 +71,42 @@ class Lm75(Chip):
         """Half degrees, from bit 7 on; SMBus sends the low byte first, the chip's is the high."""
         code = (round(value * 2) << 7) & 0xFFFF
         self.transfer(WRITE, self.TEMP, WORD_DATA, code >> 8 | (code & 0xFF) << 8)
+
+
+class Pca9685(Chip):
+    """Sixteen PWM outputs; /sys/class/pwm shows them."""
+
+    ON_L, PRESCALE, FULL = 6, 0xFE, 0x10
+
+    def __init__(self, address: int = 0x40) -> None:
+        super().__init__("pca9685", address, "pca9685-pwm")
+
+    @property
+    def folder(self) -> Path:
+        """As sysfs calls it, by class."""
+        (chip,) = (BUS / self.device / "pwm").glob("pwmchip*")
+        return Path("/sys/class/pwm", chip.name)
+
+    def exported(self) -> list[int]:
+        return sorted(int(path.name[3:]) for path in self.folder.glob("pwm[0-9]*"))
+
+    def export(self, channel: int) -> None:
+        (self.folder / "export").write_text(str(channel))
+
+    def read(self, channel: int, attribute: str) -> str:
+        return (self.folder / f"pwm{channel}" / attribute).read_text().strip()
+
+    def prescale(self) -> int:
+        return self.transfer(READ, self.PRESCALE, BYTE_DATA)
+
+    def duty(self, channel: int) -> float:
+        """Of the registers: 12 bits from ON to OFF, and a bit each for always on and always off."""
+        on_low, on_high, off_low, off_high = (
+            self.transfer(READ, self.ON_L + 4 * channel + i, BYTE_DATA) for i in range(4)
+        )
+        if off_high & self.FULL:
+            return 0.0
+        if on_high & self.FULL:
+            return 1.0
+        counts = (off_low | off_high << 8) - (on_low | on_high << 8)
+        return counts % 4096 / 4096

@@ -285,7 +285,11 @@ def test_guard_ends_with_the_light_and_holds_no_pipe(start: Start, chip: GpioSim
     light = start(*options(chip, "enable=LAMP"))
     guard = until("a guard", light.guard)
     open_files = [os.readlink(fd) for fd in Path(f"/proc/{guard}/fd").iterdir()]
-    assert sorted(name.split("[")[0].split(":")[0] for name in open_files) == ["anon_inode", "pipe"]
+    assert sorted(name.split("[")[0].split(":")[0] for name in open_files) == [
+        "anon_inode",
+        "pipe",
+        "pipe",
+    ]
     assert light.signal(signal.SIGTERM) == 0
     assert not Path(f"/proc/{guard}").exists()
 

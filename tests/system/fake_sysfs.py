@@ -28,6 +28,20 @@ class FakeSysfs:
     def set(path: Path, name: str, value: object) -> None:
         (path / name).write_text(f"{value}\n")
 
+    @staticmethod
+    def get(path: Path, name: str) -> str:
+        """The first line: a shorter one is written over a longer one."""
+        return (path / name).read_text().split("\n")[0]
+
+    def pwmchip(self, number: int, device: str = "", channels: int = 4) -> list[Path]:
+        """Its channels, which are exported: a plain file cannot do that."""
+        chip = self.add(f"class/pwm/pwmchip{number}", device, npwm=channels, export="", unexport="")
+        files = {"duty_cycle": 0, "period": 0, "enable": 0, "polarity": "normal"}
+        return [
+            self.add(f"{chip.relative_to(self.root)}/pwm{channel}", "", **files)
+            for channel in range(channels)
+        ]
+
     def hwmon(self, number: int, name: str, device: str = "", **attributes: object) -> Path:
         return self.add(f"class/hwmon/hwmon{number}", device, name=name, **attributes)
 

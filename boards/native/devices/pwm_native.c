@@ -3,6 +3,7 @@
 
 #include <zephyr/device.h>
 #include <zephyr/drivers/pwm.h>
+#include <zephyr/sys/util.h>
 #include <zephyr/toolchain.h>
 
 #include "devices/fault.h"
@@ -13,6 +14,12 @@ struct pwm_native_config {
 	uint32_t hz;
 };
 
+/* A real output that has gone. */
+static bool is_away(uint32_t channel)
+{
+	return channel < BOARD_PWM_COUNT && (board_pwm_away & BIT(channel)) != 0;
+}
+
 static int pwm_native_set_cycles(const struct device *dev, uint32_t channel, uint32_t period,
                                  uint32_t pulse, pwm_flags_t flags)
 {
@@ -22,6 +29,9 @@ static int pwm_native_set_cycles(const struct device *dev, uint32_t channel, uin
 
 	if (fault != 0) {
 		return fault;
+	}
+	if (is_away(channel)) {
+		return -ENODEV;
 	}
 	if ((flags & ~PWM_POLARITY_INVERTED) != 0) {
 		return -ENOTSUP;
@@ -46,7 +56,7 @@ static int pwm_native_get_cycles_per_sec(const struct device *dev, uint32_t chan
 		return -EINVAL;
 	}
 	*cycles = config->hz;
-	return 0;
+	return is_away(channel) ? -ENODEV : 0;
 }
 
 static int pwm_native_init(const struct device *dev)

@@ -10,6 +10,7 @@
 static const char *lamp;   /* NULL: a model */
 static const char *sensor; /* the same */
 static bool is_meant;
+static bool is_off;
 
 void hardware_lamp(const char *option)
 {
@@ -19,6 +20,11 @@ void hardware_lamp(const char *option)
 void hardware_sensor(const char *option)
 {
 	sensor = option;
+}
+
+bool hardware_is_only_off(void)
+{
+	return is_off;
 }
 
 bool hardware_allows_light(void)
@@ -36,6 +42,14 @@ static int parse_unsafe(const char *value, struct host_error *error)
 	(void)value;
 	(void)error;
 	is_meant = true;
+	return 0;
+}
+
+static int parse_off(const char *value, struct host_error *error)
+{
+	(void)value;
+	(void)error;
+	is_off = true;
 	return 0;
 }
 
@@ -63,9 +77,13 @@ static enum control_result run_hardware(struct control_call *call)
 
 static const struct host_option options[] = {
 	{"unsafe-simulated-sensor", NULL,
-         "light a real lamp (--gpio) that no --thermistor protects from\n"
+         "light a real lamp (--gpio, --light) that no --thermistor protects from\n"
          "heat; without this it stays dark",
          parse_unsafe},
+	{"off", NULL,
+         "only make the outputs of --gpio, --light and its kin dark, and end: for a\n"
+         "service's ExecStopPost=, when light and guard may both have been killed",
+         parse_off},
 	{0},
 };
 

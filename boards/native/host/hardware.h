@@ -13,6 +13,9 @@
 void hardware_lamp(const char *option);
 void hardware_sensor(const char *option);
 
+/* After the options: real outputs are only to be made safe (--off). */
+bool hardware_is_only_off(void);
+
 /* --- once all modules have started --- */
 
 /* False: the lamp is real and the sensor is not, and nobody has said that this is meant so. */

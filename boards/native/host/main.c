@@ -8,6 +8,7 @@
 
 #include "host/carry.h"
 #include "host/command_line.h"
+#include "host/hardware.h"
 #include "host/module.h"
 #include "kernel/port.h"
 
@@ -31,8 +32,11 @@ int main(int argc, char *argv[])
 
 	carry_load(argv);
 	command_line_parse(argc, argv);
+	if (hardware_is_only_off()) {
+		host_only_outputs();
+	}
 	status = host_start();
-	if (status != 0) {
+	if (status != 0 || hardware_is_only_off()) {
 		host_stop();
 		return status;
 	}

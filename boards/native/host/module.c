@@ -43,6 +43,18 @@ const struct host_module *const *host_modules(size_t *count)
 	return sorted;
 }
 
+void host_only_outputs(void)
+{
+	size_t kept = 0;
+
+	for (size_t i = 0; i < sorted_count; i++) {
+		if (sorted[i]->order <= HOST_ORDER_BASE || sorted[i]->drives) {
+			sorted[kept++] = sorted[i];
+		}
+	}
+	sorted_count = kept;
+}
+
 int host_start(void)
 {
 	size_t count;

@@ -12,6 +12,8 @@
 #ifndef NATIVE_HOST_MODULE_H_
 #define NATIVE_HOST_MODULE_H_
 
+#include <stdbool.h>
+
 #include "host/options.h"
 
 struct control_op;
@@ -27,6 +29,7 @@ enum host_order {
 struct host_module {
 	const char *name; /* heading in --help */
 	int order;
+	bool drives; /* real outputs: opening them makes them safe; also for --off */
 	const struct host_option *options;  /* NULL or ended by {0} */
 	const struct control_op *ops;       /* NULL or ended by {0}; host/control.h */
 	const struct control_fault *faults; /* NULL or ended by {0}; host/control.h */
@@ -52,6 +55,9 @@ struct host_module {
 
 /* All modules in order; *count of them. */
 const struct host_module *const *host_modules(size_t *count);
+
+/* From now on there are only the base and the modules that drive real outputs. */
+void host_only_outputs(void);
 
 /* Calls the hook of every module: start and up in order (the first failure to start ends it), the
  * others in reverse. host_start: 0, else the exit status. */

@@ -76,7 +76,7 @@ int sysfs_read_number(const char *folder, const char *attribute, double *number)
 
 int sysfs_write(const char *folder, const char *attribute, const char *text)
 {
-	const int fd = open_attribute(folder, attribute, O_WRONLY);
+	const int fd = open_attribute(folder, attribute, O_WRONLY | O_TRUNC);
 	ssize_t length;
 	int error;
 
@@ -122,7 +122,7 @@ static void name_device(const char *path, char name[SYSFS_NAME_SIZE])
 
 struct search {
 	const struct sysfs_class *class;
-	char name[SYSFS_NAME_SIZE];
+	char name[SYSFS_PATH_SIZE];
 	const char *device; /* NULL: any */
 	unsigned int found;
 	char all[FOUND_SIZE];     /* "lm75, coretemp" */
@@ -135,6 +135,31 @@ static void add_word(char list[FOUND_SIZE], const char *name, const char *device
 
 	(void)snprintf(list + used, FOUND_SIZE - used, "%s%s%s%s", used > 0 ? ", " : "", name,
 	               device != NULL ? "@" : "", device != NULL ? device : "");
+}
+
+/* By its name; without one of its own, also by its entry, by the number of that, or by a path of
+ * entry or device. */
+static bool is_called(const struct search *search, const char *path, const char *entry,
+                      const char *name)
+{
+	char device[SYSFS_PATH_SIZE + 16];
+	char real[PATH_MAX];
+	char wanted[PATH_MAX];
+
+	if (strcmp(name, search->name) == 0) {
+		return true;
+	}
+	if (search->class->name != NULL) {
+		return false;
+	}
+	if (search->name[0] != '/') {
+		return strcmp(entry, search->name) == 0 ||
+		       strcmp(entry + strlen(search->class->prefix), search->name) == 0;
+	}
+	(void)snprintf(device, sizeof(device), "%s/device", path);
+	return realpath(search->name, wanted) != NULL &&
+	       ((realpath(path, real) != NULL && strcmp(real, wanted) == 0) ||
+	        (realpath(device, real) != NULL && strcmp(real, wanted) == 0));
 }
 
 /* True: the entry is one that is looked for. */
@@ -151,8 +176,8 @@ static bool look_at(struct search *search, const char *path, const char *entry)
 		}
 		name = line;
 	}
-	add_word(search->all, name, NULL);
-	if (strcmp(name, search->name) != 0 ||
+	add_word(search->all, name[0] != '\0' ? name : entry, NULL);
+	if (!is_called(search, path, entry, name) ||
 	    (search->device != NULL && strcmp(device, search->device) != 0 &&
 	     strcmp(entry, search->device) != 0)) {
 		return false;
@@ -229,7 +254,7 @@ static int parse_sysfs(const char *value, struct host_error *error)
 
 static const struct host_option options[] = {
 	{"sysfs", "FOLDER",
-         "stands for /sys, for tests: files of --thermistor are\n"
+         "stands for /sys, for tests: files of --thermistor and --light are\n"
          "looked for there; only then they go with --time virtual",
          parse_sysfs},
 	{0},

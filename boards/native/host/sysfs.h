@@ -31,9 +31,10 @@ struct sysfs_class {
 bool sysfs_is_real(void);
 
 /*
- * The one device of that class that is called so, as a path: by its name, NAME@DEVICE where several
- * have it; DEVICE is the name of the device that it belongs to (0-0048), or of its entry (hwmon3).
- * 0; or -1 with a reason: there is none, or several.
+ * The one device of that class that is called so, as a path. By its name; NAME@DEVICE where several
+ * have it: DEVICE is what the device that it belongs to is called (0-0048), or its entry (hwmon3).
+ * Where the class has no names: by its device's, its entry (pwmchip0), the number of that, or a
+ * path of entry or device. 0; or -1 with a reason: there is none, or several.
  */
 int sysfs_find(const struct sysfs_class *class, const char *called, char path[SYSFS_PATH_SIZE],
                struct host_error *error);

@@ -87,6 +87,8 @@ static const char *const servo_names[BOARD_SERVO_COUNT] = {
 struct board board;
 struct board_listener board_listener;
 void (*board_outside)(void);
+void (*board_pwm_outside)(uint32_t channel);
+uint32_t board_pwm_away;
 void (*board_lines_interrupt)(uint32_t before, uint32_t after);
 
 void board_init(double ambient_c, uint64_t seed)
@@ -109,9 +111,17 @@ static void outside_changed(void)
 	}
 }
 
+static void pwm_outside_changed(uint32_t channel)
+{
+	if (board_pwm_outside != NULL) {
+		board_pwm_outside(channel);
+	}
+}
+
 static void light_changed(int64_t now_us)
 {
 	outside_changed();
+	pwm_outside_changed(BOARD_PWM_LAMP);
 	thermal_mass_set_heat(&board.housing, now_us,
 	                      ELECTRONICS_W + LAMP_HEAT * lamp_power_w(&board.lamp));
 	if (board_listener.light != NULL) {
@@ -138,7 +148,9 @@ int board_pwm_set(int64_t now_us, uint32_t channel, uint32_t period, uint32_t pu
 	pwm->period_ns = (uint32_t)((period * UINT64_C(1000000000)) / hz);
 	pwm->pulse_ns = (uint32_t)((pulse * UINT64_C(1000000000)) / hz);
 	pwm->duty_ppm = (uint32_t)((pulse * UINT64_C(1000000)) / period);
-	if (channel == BOARD_PWM_LAMP && lamp_set_duty(&board.lamp, now_us, pwm->duty_ppm)) {
+	if (channel != BOARD_PWM_LAMP) {
+		pwm_outside_changed(channel);
+	} else if (lamp_set_duty(&board.lamp, now_us, pwm->duty_ppm)) {
 		light_changed(now_us);
 	}
 	if (channel == BOARD_PWM_SERVO_PAN) {
@@ -233,6 +245,9 @@ void board_mcu_reset(int64_t now_us)
 	lines_changed(now_us, before);
 	for (uint32_t channel = 0; channel < BOARD_PWM_COUNT; channel++) {
 		board.pwm[channel] = (struct board_pwm){0};
+		if (channel != BOARD_PWM_LAMP) {
+			pwm_outside_changed(channel);
+		}
 	}
 	for (uint32_t servo = 0; servo < BOARD_SERVO_COUNT; servo++) {
 		pulse_changed(now_us, servo, 0);

@@ -134,6 +134,12 @@ extern struct board_listener board_listener;
  */
 extern void (*board_outside)(void);
 
+/* The same of a PWM output; the lamp's is its light. */
+extern void (*board_pwm_outside)(uint32_t channel);
+
+/* A bit for each PWM output that is real and away: writing to it fails. */
+extern uint32_t board_pwm_away;
+
 /* The MCU's interrupt controller: line levels have changed. Set by the GPIO device. */
 extern void (*board_lines_interrupt)(uint32_t before, uint32_t after);
 

@@ -107,6 +107,32 @@ ZTEST(light, test_out_of_range_changes_nothing)
 	zassert_equal(lamp_ppm(), 300000);
 }
 
+/* Steady light is never written: the limit, which comes ten times a second, finds it out. */
+ZTEST(light, test_pwm_that_goes_is_found_by_the_next_limit_and_lit_again_once_back)
+{
+	struct light_state state;
+
+	light_up(700000);
+	light_get(light, &state);
+	const uint32_t errors = state.errors;
+
+	board_pwm_away = BIT(BOARD_PWM_SERVO_PAN);
+	zassert_ok(light_set_limit(light, 1000000), "another channel's");
+	board_pwm_away = BIT(BOARD_PWM_LAMP);
+	zassert_equal(light_set_limit(light, 1000000), -ENODEV);
+	zassert_equal(lamp_ppm(), 0);
+	light_get(light, &state);
+	zassert_equal(state.error, -ENODEV);
+	zassert_equal(state.errors, errors + 1);
+	zassert_equal(state.output_ppm, 0);
+	zassert_false(state.stuck, "the enable line is low");
+	board_pwm_away = 0;
+	zassert_ok(light_set_limit(light, 1000000));
+	zassert_equal(lamp_ppm(), 700000);
+	light_get(light, &state);
+	zassert_equal(state.error, 0);
+}
+
 ZTEST(light, test_one_change_of_the_lamp_for_each_edge)
 {
 	uint64_t changes;

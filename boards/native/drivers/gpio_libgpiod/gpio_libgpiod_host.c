@@ -11,11 +11,11 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "gpio_guard_host.h"
 #include "gpio_libgpiod.h"
 #include "host/carry.h"
 #include "host/clock.h"
 #include "host/control.h"
+#include "host/guard.h"
 #include "host/hardware.h"
 #include "host/loop.h"
 #include "host/module.h"
@@ -72,6 +72,7 @@ static char wanted[ROLE_COUNT][GPIOCHIP_NAME_SIZE];
 
 static struct gpiochip *chip; /* NULL: away */
 static struct mapped mapped[ROLE_COUNT];
+static struct guard_output guarded;
 static bool is_ours; /* a line was in use, by another light or its guard */
 static struct loop_timer check;
 static struct loop_timer retry;
@@ -165,7 +166,10 @@ static void close_all(struct gpiochip *from)
 		mapped[role].line = NULL;
 	}
 	gpiochip_close(from);
-	guard_stop();
+	if (guarded.is_open) {
+		guarded.is_open = false;
+		(void)guard_renew(); /* what else there is to guard */
+	}
 }
 
 static void drive(enum role role, bool level, int64_t edge_us)
@@ -186,12 +190,19 @@ static void make_safe(void)
 	}
 }
 
+/* Lines are anonymous inodes of the kernel: gpio-line, gpio-linehandle. */
+static bool keeps(int fd, const char *target)
+{
+	(void)fd;
+	return strstr(target, "gpio-line") != NULL;
+}
+
 static int start_guard(struct host_error *error)
 {
-	const bool has_outputs =
-		mapped[ROLE_ENABLE].line != NULL || mapped[ROLE_STROBE].line != NULL;
-	const int rc = has_outputs ? guard_start(make_safe) : 0;
+	int rc;
 
+	guarded.is_open = mapped[ROLE_ENABLE].line != NULL || mapped[ROLE_STROBE].line != NULL;
+	rc = guarded.is_open ? guard_renew() : 0;
 	return rc == 0 ? 0
 	               : host_error_set(error, "no process to guard the lamp: %s", strerror(-rc));
 }
@@ -258,12 +269,6 @@ static void lose(int error)
 
 static void on_check(struct loop_timer *timer)
 {
-	struct host_error error;
-
-	if (!guard_is_well() && start_guard(&error) != 0) {
-		lose(ECHILD);
-		return;
-	}
 	for (int role = 0; role < ROLE_COUNT; role++) {
 		if (mapped[role].line != NULL) {
 			const int level = gpiochip_get(mapped[role].line);
@@ -458,6 +463,9 @@ static int start(void)
 	if (wanted[ROLE_ENABLE][0] != '\0' || wanted[ROLE_STROBE][0] != '\0') {
 		hardware_lamp("--gpio");
 	}
+	guarded.make_safe = make_safe;
+	guarded.keeps = keeps;
+	guard_add(&guarded);
 	check.fire = on_check;
 	retry.fire = on_retry;
 	board_outside = follow;
@@ -534,9 +542,9 @@ static const struct control_op ops[] = {
 HOST_MODULE(gpio_module) = {
 	.name = "gpio",
 	.order = HOST_ORDER_BOARD + 1,
+	.drives = true,
 	.options = options,
 	.ops = ops,
 	.start = start,
-	.save = guard_stop,
 	.stop = stop,
 };

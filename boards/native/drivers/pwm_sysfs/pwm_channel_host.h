@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * One channel of a PWM chip of the kernel's, by sysfs. What may wait for a slow bus runs in a
+ * helper or in a start hook.
+ */
+#ifndef PWM_CHANNEL_HOST_H_
+#define PWM_CHANNEL_HOST_H_
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "host/error.h"
+#include "host/sysfs.h"
+
+/* Where it is, and how it is to run. */
+struct pwm_place {
+	char chip[SYSFS_PATH_SIZE]; /* as sysfs_find() takes it; empty: nowhere */
+	uint32_t channel;
+	uint32_t period_ns;
+	bool is_inverted;
+};
+
+struct pwm_channel {
+	char chip[SYSFS_PATH_SIZE];
+	char path[SYSFS_PATH_SIZE];
+	uint32_t channel;
+	bool is_exported; /* by us: so we unexport it */
+	int claim_fd;     /* no other light has it; -1: it is closed */
+	int duty_fd;
+	int enable_fd;
+};
+
+/* Sets chip, channel and path, whose folder need not be there yet. 0, or -1 with a reason. */
+int pwm_channel_find(struct pwm_channel *self, const struct pwm_place *place,
+                     struct host_error *error);
+
+/*
+ * Finds the chip, exports the channel, and lets it run with pulses of no length. is_exported: an
+ * earlier one of us has exported it. 0; or -1 with a reason, and *is_ours says whether another
+ * light, or its guard, has it.
+ */
+int pwm_channel_open(struct pwm_channel *self, const struct pwm_place *place, bool is_exported,
+                     bool *is_ours, struct host_error *error);
+
+/* The pulse of each period. 0 or -errno. */
+int pwm_channel_write(const struct pwm_channel *self, uint32_t pulse_ns);
+
+/* Whether it is still there: 0 or -errno. Does not touch the chip. */
+int pwm_channel_check(const struct pwm_channel *self);
+
+/* No pulses, and unexported if we have exported it. Also in another process that shares it. */
+void pwm_channel_end(const struct pwm_channel *self);
+
+/* Closes what is open; the output stays as it is. */
+void pwm_channel_close(struct pwm_channel *self);
+
+#endif
