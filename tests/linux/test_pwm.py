@@ -21,7 +21,8 @@ from guest_light import PATIENCE_S, Light, Start, until
 SENSOR = ("--thermistor", "hwmon:lm75/temp1")
 # The chip does 24 to 1526 Hz.
 LAMP = 3
-PERIOD_NS = 1_000_000
+# How often the light is killed at any instant; a long run has 1000.
+KILLS = int(os.environ.get("PHAROS_KILLS", "30"))
 
 
 @pytest.fixture
@@ -267,7 +268,8 @@ def test_lamp_is_dark_soon_after_a_kill_at_any_instant(
     """The light is killed while it strobes, commands come, and its guard has just been killed."""
     chance = random.Random(17)
     late_ms = []
-    for kind in ("light", "guard first", "while it strobes") * 10:
+    for number in range(KILLS):
+        kind = ("light", "guard first", "while it strobes")[number % 3]
         light = start_can(*options)
         light_up(light, chip)
         guard = until("a guard", light.guard)
@@ -284,8 +286,10 @@ def test_lamp_is_dark_soon_after_a_kill_at_any_instant(
         late_ms.append((time.monotonic() - killed) * 1e3)
         assert chip.duty(LAMP) == 0.0
         light.close()
+    assert len(late_ms) == KILLS > 0
     late_ms.sort()
-    print(f"dark after {late_ms[len(late_ms) // 2]:.1f} ms, at most {late_ms[-1]:.1f} ms")
+    middle, high = late_ms[len(late_ms) // 2], late_ms[len(late_ms) * 99 // 100]
+    print(f"{KILLS} kills: dark after {middle:.1f} ms, 99 %: {high:.1f}, most: {late_ms[-1]:.1f}")
 
 
 def test_off_makes_the_lamp_dark_after_light_and_guard_were_killed(
