@@ -7,6 +7,8 @@ precision or printf. No Zephyr is needed.
 
 Stack is the deepest chain of calls from any function of the module, through every module here.
 What is called through a pointer, and the C library, is not in it.
+
+Also compiles them without each option that minimal.conf leaves out, and without all of those.
 """
 
 from __future__ import annotations
@@ -23,6 +25,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 BUDGET = Path(__file__).resolve().with_name("budget.toml")
+MINIMAL = ROOT / "minimal.conf"
 PREFIX = "arm-none-eabi-"
 
 CPU = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"]
@@ -94,13 +97,17 @@ def run(*command: str | Path) -> str:
     return done.stdout
 
 
-def generate(build: Path) -> list[str]:
-    """What the build makes before it compiles; the flags that find it."""
+def configure(build: Path, *fragments: Path) -> None:
     run(
         sys.executable, "boards/native/scripts/kconfig.py",
         "--kconfig", ROOT / "Kconfig", "--srctree", ROOT / "boards/native/kconfig",
-        "--out", build, "--sources", build / "kconfig_sources.txt", ROOT / "prj.conf",
+        "--out", build, "--sources", build / "kconfig_sources.txt", ROOT / "prj.conf", *fragments,
     )  # fmt: skip
+
+
+def generate(build: Path) -> list[str]:
+    """What the build makes before it compiles; the flags that find it."""
+    configure(build)
     run(sys.executable, "app/proto/mavlink/generate.py", "--out", build / "mavlink")
     run(sys.executable, "app/proto/dronecan/generate.py", build / "proto/dronecan")
     return [
@@ -155,6 +162,49 @@ def measure(modules: list[Module], build: Path) -> None:
         )
 
 
+def sources_of(option: str) -> set[str]:
+    """Names of the files that are built with the option alone."""
+    found: set[str] = set()
+    for lists in (ROOT / "app").rglob("CMakeLists.txt"):
+        text = lists.read_text()
+        for block in re.findall(rf"^if\({option}\)\n(.*?)^endif", text, re.MULTILINE | re.DOTALL):
+            found |= set(re.findall(r"\b(\w+\.c)\b", block))
+            found |= {
+                path.name
+                for folder in re.findall(r"add_subdirectory\((\w+)\)", block)
+                for path in (lists.parent / folder).glob("*.c")
+            }
+    return found
+
+
+def compile_without(modules: list[Module]) -> int:
+    """Compile what is left without minimal.conf's options; how many ways."""
+    lines = re.findall(r"^(CONFIG_PHAROS_\w+)=n$", MINIMAL.read_text(), re.MULTILINE)
+    ways = [(option,) for option in lines] + [tuple(lines)]
+    for way in ways:
+        left_out = set().union(*(sources_of(option) for option in way))
+        if not left_out:
+            raise BudgetError(f"minimal.conf: {', '.join(way)} leaves no file out")
+        with tempfile.TemporaryDirectory() as folder:
+            build = Path(folder)
+            flags = generate(build)
+            fragment = build / "without.conf"
+            fragment.write_text("".join(f"{option}=n\n" for option in way))
+            configure(build, fragment)
+            rest = [
+                path
+                for module in modules
+                for pattern in module.sources
+                for path in find(pattern, build)
+                if path.name not in left_out
+            ]
+            try:
+                run(PREFIX + "gcc", *CPU, "-std=gnu11", "-fsyntax-only", *flags, *rest)
+            except BudgetError as error:
+                raise BudgetError(f"without {', '.join(way)}:\n{error}") from error
+    return len(ways)
+
+
 def report(modules: list[Module]) -> list[str]:
     """Print the table; the lines that say what is over budget."""
     kinds = ("flash", "ram", "stack")
@@ -191,13 +241,14 @@ def main() -> int:
     try:
         with tempfile.TemporaryDirectory() as folder:
             measure(modules, Path(folder))
+        ways = compile_without(modules)
     except BudgetError as error:
         print(f"budget: {error}", file=sys.stderr)
         return 1
     wrong = report(modules)
     for line in wrong:
         print(f"over budget: {line}", file=sys.stderr)
-    print(f"{len(modules)} modules, {len(wrong)} over budget")
+    print(f"{len(modules)} modules, {len(wrong)} over budget; compiled {ways} ways with less in it")
     return int(bool(wrong))
 
 

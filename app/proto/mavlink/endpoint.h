@@ -41,7 +41,9 @@
 
 #include "proto/mavlink/frame.h"
 #include "proto/mavlink/outbox.h"
+#ifdef CONFIG_PHAROS_ROUTING
 #include "proto/mavlink/router.h"
+#endif
 #include "proto/mavlink/signing.h"
 #include "proto/mavlink/vehicle.h"
 
