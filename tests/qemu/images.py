@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import os
 import re
+import shutil
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -78,10 +79,19 @@ def board_name(board: str, version: tuple[int, int, int]) -> str:
 def environment(board: str) -> dict[str, str]:
     """Debian's compilers, unless the environment names others."""
     found = dict(os.environ)
+    # With it the files that assertions tell have other, longer names.
+    found.pop("CCACHE_BASEDIR", None)
     if board.startswith("native"):
         found["ZEPHYR_TOOLCHAIN_VARIANT"] = "host"
     elif "ZEPHYR_TOOLCHAIN_VARIANT" not in found:
-        found |= {"ZEPHYR_TOOLCHAIN_VARIANT": "cross-compile", "CROSS_COMPILE": "arm-none-eabi-"}
+        # Zephyr looks for the compiler by its path alone, not along PATH.
+        compiler = shutil.which("arm-none-eabi-gcc")
+        if compiler is None:
+            raise SystemExit("images: no arm-none-eabi-gcc; install gcc-arm-none-eabi")
+        found |= {
+            "ZEPHYR_TOOLCHAIN_VARIANT": "cross-compile",
+            "CROSS_COMPILE": compiler.removesuffix("gcc"),
+        }
     return found
 
 
