@@ -6,6 +6,7 @@
 
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 find_package(PkgConfig REQUIRED)
+pkg_check_modules(INIH REQUIRED IMPORTED_TARGET inih)
 pkg_check_modules(JANSSON REQUIRED IMPORTED_TARGET jansson)
 pkg_check_modules(NETTLE REQUIRED IMPORTED_TARGET nettle)
 
@@ -101,7 +102,8 @@ endfunction()
 
 # --- the board --------------------------------------------------------------------------------
 add_library(native_board OBJECT)
-target_link_libraries(native_board PUBLIC zephyr_interface PkgConfig::JANSSON PkgConfig::NETTLE m)
+target_link_libraries(native_board PUBLIC zephyr_interface PkgConfig::INIH PkgConfig::JANSSON
+  PkgConfig::NETTLE m)
 target_include_directories(native_board PRIVATE ${NATIVE_DIR})
 # What the program calls itself, in --help and on the control socket.
 target_compile_definitions(native_board PRIVATE PHAROS_VERSION="${VERSION}")

@@ -10,8 +10,8 @@ cd "$(dirname "$0")/../.."
 PATH=/usr/sbin:/usr/bin:/sbin:/bin
 export PATH
 
-BUILD="make gcc libc6-dev cmake ninja-build pkg-config libjansson-dev nettle-dev libgpiod-dev
-       python3 python3-venv"
+BUILD="make gcc libc6-dev cmake ninja-build pkg-config libjansson-dev libinih-dev nettle-dev
+       libgpiod-dev python3 python3-venv"
 # The guest's of tests/linux. Debian 12 has it in its security archive.
 KERNEL=linux-source-6.12
 TEST="$BUILD clang libclang-rt-dev binutils shellcheck gcc-arm-none-eabi libnewlib-arm-none-eabi
