@@ -312,10 +312,15 @@ void param_set_merge(struct param_set *self, const struct param_set *more)
 
 uint32_t param_set_take(struct param_set *self)
 {
-	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
-		if (param_set_has(self, i)) {
-			param_set_remove(self, i);
-			return i;
+	for (uint32_t word = 0; word < PARAMS_SET_WORDS; word++) {
+		if (self->words[word] != 0) {
+			uint32_t index = word * PARAMS_SET_BITS;
+
+			while (!param_set_has(self, index)) {
+				index++;
+			}
+			param_set_remove(self, index);
+			return index;
 		}
 	}
 	return PARAM_COUNT;
@@ -323,8 +328,11 @@ uint32_t param_set_take(struct param_set *self)
 
 bool param_set_touches(const struct param_set *self, enum param_group group)
 {
-	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
-		if (table[i].group == group && param_set_has(self, i)) {
+	struct param_set rest = *self;
+	uint32_t index;
+
+	while ((index = param_set_take(&rest)) < PARAM_COUNT) {
+		if (table[index].group == group) {
 			return true;
 		}
 	}

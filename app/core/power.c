@@ -18,6 +18,7 @@ void power_init(struct power *self, uint32_t present, uint32_t on)
 		.present = present,
 		.on = on & present,
 		.saved = on & CHANNELS_MASK, /* a line that fails today is not given up */
+		.due_us = TIME_NEVER_US,
 	};
 	for (uint32_t channel = 0; channel < POWER_CHANNELS_MAX; channel++) {
 		self->timers[channel] = no_timers;
@@ -82,22 +83,6 @@ static void carry_out(struct power *self, int64_t now_us, uint32_t channel, enum
 	}
 }
 
-bool power_command(struct power *self, int64_t now_us, uint32_t channel, uint32_t op,
-                   int64_t delay_us)
-{
-	PHAROS_ASSERT(now_us >= 0 && now_us <= TIME_MAX_US);
-	const bool timed = op == POWER_OP_SCHEDULE_ON || op == POWER_OP_SCHEDULE_OFF;
-
-	if (channel >= POWER_CHANNELS_MAX || (self->present & (1u << channel)) == 0 ||
-	    op >= POWER_OPS || (timed && (delay_us < 0 || delay_us > POWER_SCHEDULE_MAX_US))) {
-		return false;
-	}
-	power_advance(self, now_us);
-	carry_out(self, now_us, channel, (enum power_op)op, delay_us);
-	power_advance(self, now_us);
-	return true;
-}
-
 /* The one of a channel's timers that falls due first; of several at once, off is the last. */
 static int64_t *first_timer(struct power_timers *timers)
 {
@@ -109,8 +94,21 @@ static int64_t *first_timer(struct power_timers *timers)
 	return (timers->off_us < *first) ? &timers->off_us : first;
 }
 
+static void find_due(struct power *self)
+{
+	self->due_us = TIME_NEVER_US;
+	for (uint32_t channel = 0; channel < POWER_CHANNELS_MAX; channel++) {
+		const int64_t due_us = *first_timer(&self->timers[channel]);
+
+		self->due_us = due_us < self->due_us ? due_us : self->due_us;
+	}
+}
+
 void power_advance(struct power *self, int64_t now_us)
 {
+	if (now_us < self->due_us) {
+		return;
+	}
 	for (uint32_t channel = 0; channel < POWER_CHANNELS_MAX; channel++) {
 		struct power_timers *const timers = &self->timers[channel];
 
@@ -123,19 +121,29 @@ void power_advance(struct power *self, int64_t now_us)
 			switch_channel(self, channel, on);
 		}
 	}
+	find_due(self);
+}
+
+bool power_command(struct power *self, int64_t now_us, uint32_t channel, uint32_t op,
+                   int64_t delay_us)
+{
+	PHAROS_ASSERT(now_us >= 0 && now_us <= TIME_MAX_US);
+	const bool timed = op == POWER_OP_SCHEDULE_ON || op == POWER_OP_SCHEDULE_OFF;
+
+	if (channel >= POWER_CHANNELS_MAX || (self->present & (1u << channel)) == 0 ||
+	    op >= POWER_OPS || (timed && (delay_us < 0 || delay_us > POWER_SCHEDULE_MAX_US))) {
+		return false;
+	}
+	power_advance(self, now_us);
+	carry_out(self, now_us, channel, (enum power_op)op, delay_us);
+	find_due(self);
+	power_advance(self, now_us);
+	return true;
 }
 
 int64_t power_deadline_us(const struct power *self)
 {
-	int64_t deadline_us = TIME_NEVER_US;
-
-	for (uint32_t channel = 0; channel < POWER_CHANNELS_MAX; channel++) {
-		struct power_timers timers = self->timers[channel];
-		const int64_t due_us = *first_timer(&timers);
-
-		deadline_us = (due_us < deadline_us) ? due_us : deadline_us;
-	}
-	return deadline_us;
+	return self->due_us;
 }
 
 uint32_t power_outputs(const struct power *self)

@@ -46,6 +46,7 @@ struct power {
 	uint32_t saved; /* what is on after the next start */
 	bool down;      /* the whole device is: nothing is on, whatever `on` says */
 	struct power_timers timers[POWER_CHANNELS_MAX];
+	int64_t due_us; /* the first of all timers */
 };
 
 /* present, on: masks within POWER_CHANNELS_MAX (asserted); on is what was saved, or the default. */

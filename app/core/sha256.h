@@ -31,4 +31,10 @@ void sha256_add(struct sha256 *self, const void *data, size_t size);
 /* The digest, SHA256_BYTES: in self, until the next sha256_begin(). */
 const uint8_t *sha256_end(struct sha256 *self);
 
+/*
+ * For sha256.c: a whole block into the state, its bytes are not needed any more. Weak: a board with
+ * something faster (instructions, a peripheral) defines its own.
+ */
+void sha256_block(struct sha256 *self);
+
 #endif

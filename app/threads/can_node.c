@@ -270,9 +270,12 @@ static void tell_clash(void)
 
 bool can_node_clash_text(char text[CAN_NODE_CLASH_TEXT_MAX])
 {
+	if (!endpoint.node.clash.on) {
+		return false;
+	}
 	snprintk(text, CAN_NODE_CLASH_TEXT_MAX, "CAN node id %u is another node's too",
 	         endpoint.transport.node_id);
-	return endpoint.node.clash.on;
+	return true;
 }
 
 /* --- firmware update -------------------------------------------------------------------------- */

@@ -278,10 +278,11 @@ static void step(void)
 	pharos_device_report_driver(&device, LAMP, inputs_get().driver_fault);
 	pharos_device_step(&device, clock_now_us());
 	settle();
-	do {
+	mavlink_node_warn();
+	while (mavlink_node_deadline_us() <= clock_now_us()) {
 		mavlink_node_step();
 		settle();
-	} while (mavlink_node_deadline_us() <= clock_now_us());
+	}
 	can_node_step();
 	settle();
 	tunnel_links_step();
@@ -300,9 +301,9 @@ void command_run(void *p1, void *p2, void *p3)
 		const struct inbox_item item = inbox_take(MIN(deadline_us, report_us));
 
 		take(&item);
-		deadline_us = next_deadline_us();
 		/* a frame changes nothing but what deadlines tell */
-		if (item.kind != INBOX_FRAME || deadline_us <= clock_now_us()) {
+		deadline_us = item.kind == INBOX_FRAME ? next_deadline_us() : clock_now_us();
+		if (deadline_us <= clock_now_us()) {
 			step();
 			deadline_us = next_deadline_us();
 		}

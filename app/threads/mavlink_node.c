@@ -348,6 +348,18 @@ static void tell_simulated(int64_t now_us)
 	}
 }
 
+void mavlink_node_warn(void)
+{
+	const int64_t now_us = clock_now_us();
+
+	tell_startup(now_us);
+	tell_storage_failure(now_us);
+	tell_driver_fault(now_us);
+	tell_lock(now_us);
+	tell_clash(now_us);
+	tell_simulated(now_us);
+}
+
 void mavlink_node_step(void)
 {
 	const int64_t now_us = clock_now_us();
@@ -356,12 +368,6 @@ void mavlink_node_step(void)
 		light_off_now(devices.light);
 		sys_reboot(SYS_REBOOT_COLD);
 	}
-	tell_startup(now_us);
-	tell_storage_failure(now_us);
-	tell_driver_fault(now_us);
-	tell_lock(now_us);
-	tell_clash(now_us);
-	tell_simulated(now_us);
 	mavlink_endpoint_step(&endpoint, now_us, &out);
 }
 

@@ -22,6 +22,9 @@ void mavlink_node_take(uint8_t link, const uint8_t *bytes, size_t length);
 /* What the device did: tells it. */
 void mavlink_node_tell(const struct device_effects *effects);
 
+/* Makes texts of what people should know by now: what failed, what is stored no more. */
+void mavlink_node_warn(void);
+
 /* Makes what is due, as much as one outbox takes. */
 void mavlink_node_step(void);
 int64_t mavlink_node_deadline_us(void);

@@ -119,6 +119,8 @@ add_executable(app)
 set_target_properties(app PROPERTIES
   OUTPUT_NAME pharos RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
 target_link_libraries(app PRIVATE native_board zephyr_interface)
+# Of the program alone: the tests, and so every board, have the core's own.
+target_sources(app PRIVATE ${NATIVE_DIR}/host/sha256_nettle.c)
 
 enable_testing()
 

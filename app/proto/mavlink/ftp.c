@@ -458,13 +458,18 @@ bool mavlink_ftp_step(struct mavlink_ftp *self, const struct mavlink_context *co
 
 int64_t mavlink_ftp_deadline_us(const struct mavlink_ftp *self)
 {
-	int64_t due_us = mavlink_ftp_session_due_us(self);
+	int64_t due_us = TIME_NEVER_US;
 
 	for (uint8_t i = 0; i < MAVLINK_FTP_SESSIONS; i++) {
 		const struct mavlink_ftp_session *const session = &self->sessions[i];
 
-		if (session->burst_length != 0 && session->burst_us < due_us) {
-			due_us = session->burst_us;
+		if (session->file != NULL) {
+			const int64_t idle_us = mavlink_ftp_session_due_us(session);
+
+			due_us = idle_us < due_us ? idle_us : due_us;
+			if (session->burst_length != 0 && session->burst_us < due_us) {
+				due_us = session->burst_us;
+			}
 		}
 	}
 	return due_us;

@@ -142,19 +142,10 @@ void mavlink_ftp_session_expire(struct mavlink_ftp *self, int64_t now_us)
 	}
 }
 
-int64_t mavlink_ftp_session_due_us(const struct mavlink_ftp *self)
+int64_t mavlink_ftp_session_due_us(const struct mavlink_ftp_session *session)
 {
-	int64_t due_us = TIME_NEVER_US;
-
-	for (uint8_t i = 0; i < MAVLINK_FTP_SESSIONS; i++) {
-		const struct mavlink_ftp_session *const session = &self->sessions[i];
-		const int64_t idle_us = session->used_us + MAVLINK_FTP_IDLE_US;
-
-		if (mavlink_ftp_is_packed(session->file) && idle_us < due_us) {
-			due_us = idle_us;
-		}
-	}
-	return due_us;
+	return mavlink_ftp_is_packed(session->file) ? session->used_us + MAVLINK_FTP_IDLE_US
+	                                            : TIME_NEVER_US;
 }
 
 /* --- opening ---------------------------------------------------------------------------------- */

@@ -48,8 +48,8 @@ bool mavlink_ftp_session_close(struct mavlink_ftp *self, const struct mavlink_co
 /* All of the asker's. */
 void mavlink_ftp_session_reset(struct mavlink_ftp *self, const struct mavlink_context *context);
 
-/* Ends what reads packed parameters and has been idle; and when there is something to end. */
+/* Ends what reads packed parameters and has been idle; and when an open session would be. */
 void mavlink_ftp_session_expire(struct mavlink_ftp *self, int64_t now_us);
-int64_t mavlink_ftp_session_due_us(const struct mavlink_ftp *self);
+int64_t mavlink_ftp_session_due_us(const struct mavlink_ftp_session *session);
 
 #endif

@@ -303,6 +303,9 @@ void mavlink_params_changed(struct mavlink_params *self, int64_t now_us, uint8_t
 {
 	struct param_set own = *changed;
 
+	if (param_set_is_empty(changed)) {
+		return; /* as after nearly every command */
+	}
 	for (uint32_t i = 0; i < PARAM_COUNT; i++) {
 		if (!mavlink_params_is(self->share, i)) {
 			param_set_remove(&own, i);

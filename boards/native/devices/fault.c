@@ -51,13 +51,6 @@ enum board_chip fault_chip(const char *name)
 	return (enum board_chip)chip;
 }
 
-const struct board_fault *fault_of(enum board_chip chip)
-{
-	static const struct board_fault none;
-
-	return chip < BOARD_CHIP_COUNT ? &board.faults[chip] : &none;
-}
-
 int fault_pass(enum board_chip chip)
 {
 	const struct board_fault *const fault = fault_of(chip);

@@ -18,7 +18,12 @@ int fault_pass(enum board_chip chip);
 enum board_chip fault_chip(const char *name);
 
 /* The fault now. Any context. */
-const struct board_fault *fault_of(enum board_chip chip);
+static inline const struct board_fault *fault_of(enum board_chip chip)
+{
+	static const struct board_fault none;
+
+	return chip < BOARD_CHIP_COUNT ? &board.faults[chip] : &none;
+}
 
 /* The same for a driver's start, which a chip that is late or silent does not hold up. */
 int fault_start(enum board_chip chip);
