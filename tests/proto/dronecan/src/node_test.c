@@ -342,6 +342,21 @@ ZTEST(dronecan_node, test_refused_sets_answer_with_the_value_in_force)
 	zassert_equal(device.node.stats.params_refused, 12);
 }
 
+ZTEST(dronecan_node, test_a_switch_may_be_sent_as_a_boolean)
+{
+	struct dronecan_param_get_set_request request = named("LGT_CURVE"); /* 0 or 1 */
+
+	request.value.tag = DRONECAN_PARAM_VALUE_BOOLEAN_VALUE;
+	request.value.boolean_value = 1;
+	zassert_equal(get_set(false, &request).value.integer_value, 1);
+	request.value.boolean_value = 0;
+	zassert_equal(get_set(false, &request).value.integer_value, 0);
+	zassert_equal(device.node.stats.params_refused, 0);
+	request.value.boolean_value = 2; /* neither */
+	zassert_equal(get_set(false, &request).value.integer_value, 0);
+	zassert_equal(device.node.stats.params_refused, 1);
+}
+
 /* Tools that have one kind of number send it so. */
 ZTEST(dronecan_node, test_whole_real_values_are_taken)
 {

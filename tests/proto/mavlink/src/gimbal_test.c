@@ -206,10 +206,23 @@ ZTEST(mavlink_gimbal, test_angle_by_quaternion)
 	const mavlink_gimbal_device_attitude_status_t is = status();
 
 	assert_q(&is, q);
+	zassert_equal(is.time_boot_ms, 1000);
 	zassert_equal(is.flags, 32 | 128); /* yaw in the vehicle's frame; takes that of the earth */
 	zassert_equal(is.failure_flags, 0);
 	zassert_true(isnan(is.delta_yaw));
 	zassert_equal(its.stats.set, 1);
+}
+
+ZTEST(mavlink_gimbal, test_its_own_frames_coming_back_are_left)
+{
+	static const struct mavlink_kind kind = MAVLINK_KIND(COMMAND_LONG);
+	const mavlink_command_long_t wire = {.param1 = -30, .command = 205, .target_system = 1};
+
+	say(1, 155, &kind, &wire); /* another gimbal of the vehicle's */
+	zassert_equal(endpoint.links[1].stats.rx_echoes, 0);
+	say(1, 154, &kind, &wire);
+	zassert_equal(endpoint.links[1].stats.rx_echoes, 1);
+	zassert_equal(out.count, 0);
 }
 
 ZTEST(mavlink_gimbal, test_rates_when_there_is_no_quaternion)

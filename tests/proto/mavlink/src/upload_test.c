@@ -295,6 +295,8 @@ ZTEST(mavlink_upload, test_only_that_file_by_name_from_who_may)
 {
 	assert_error(open_as(CREATE, "other.bin"), PROTECTED);
 	assert_error(open_as(CREATE, "firmware.bin2"), PROTECTED);
+	assert_error(open_as(CREATE, "firmware.bim"), PROTECTED);
+	assert_error(open_as(CREATE, "firmware.bio"), PROTECTED);
 	assert_error(open_as(WRITABLE, "g.json"), PROTECTED);
 	zassert_equal(ask_again((struct ask){.opcode = CREATE, .size = 12, .data = "firmware.bin"}),
 	              LATER, "to all: silence");
