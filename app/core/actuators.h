@@ -122,12 +122,14 @@ enum actuators_result actuators_step(struct actuators *self, int64_t now_us,
                                      const struct actuators_event *event);
 
 /* False: the board has no such output, or duty_us > period_us, or period_us not
- * 1…ACTUATORS_PERIOD_MAX_US; nothing changed. */
+ * 1…ACTUATORS_PERIOD_MAX_US; nothing changed.
+ */
 bool actuators_set_pwm(struct actuators *self, uint32_t number, uint32_t period_us,
                        uint32_t duty_us);
 
 /* Lets a PWM output drive a servo: angle_mdeg ±ACTUATORS_SERVO_RANGE_MDEG is 1500 ± 500 us. False:
- * the board has no such output, or the angle is out of range. */
+ * the board has no such output, or the angle is out of range.
+ */
 bool actuators_set_servo(struct actuators *self, uint32_t number, int32_t angle_mdeg);
 
 /* False: the board has no such LED. */

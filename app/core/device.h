@@ -152,13 +152,15 @@ enum device_result pharos_device_point(struct pharos_device *self, int64_t now_u
                                        const struct gimbal_event *event);
 
 /* The aim moves on by itself, as it does with a target that is tracked: as point, but no command.
- * KEPT: another source is in command. */
+ * KEPT: another source is in command.
+ */
 enum device_result pharos_device_follow(struct pharos_device *self, int64_t now_us,
                                         const struct device_who *who,
                                         const struct gimbal_event *event);
 
 /* Where on an axis a share of its range is, and what share of its fastest rate. There is a gimbal
- * (asserted). As gimbal_share_mdeg and gimbal_share_rate. */
+ * (asserted). As gimbal_share_mdeg and gimbal_share_rate.
+ */
 int32_t pharos_device_share_mdeg(const struct pharos_device *self, enum gimbal_axis_id axis,
                                  int32_t share_ppm);
 int32_t pharos_device_share_rate(const struct pharos_device *self, enum gimbal_axis_id axis,

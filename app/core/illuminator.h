@@ -137,11 +137,13 @@ enum illuminator_notice_kind {
 
 /* What differs after a step, to be read from the illuminator itself. */
 struct illuminator_outbox {
-	bool light;      /* plan: to be carried out */
-	bool settings;   /* settings */
-	bool status;     /* settings, flags or limits (not: temperature alone) */
-	uint8_t notices; /* bit per kind, to tell people in this order; the teller limits the rate.
-	                    The fault of SENSOR_FAILED is the report's. */
+	bool light;    /* plan: to be carried out */
+	bool settings; /* settings */
+	bool status;   /* settings, flags or limits (not: temperature alone) */
+	/* Bit per kind, to tell people in this order; the teller limits the rate. The fault of
+	 * SENSOR_FAILED is the report's.
+	 */
+	uint8_t notices;
 };
 
 struct illuminator_stats {

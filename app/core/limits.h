@@ -30,7 +30,8 @@
 #define TEMP_CEILING_MDEGC 1000000
 
 /* Gimbal: angles of an axis, its fastest rate, pulses that any servo takes, and how often the
- * servos are told. */
+ * servos are told.
+ */
 #define GIMBAL_ANGLE_MAX_MDEG 180000
 #define GIMBAL_RATE_MAX       2000000 /* mdeg/s */
 #define GIMBAL_PULSE_MIN_US   500

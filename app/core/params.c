@@ -216,7 +216,8 @@ static void mend_range(struct params *self, uint32_t index, struct param_set *me
 }
 
 /* Temperatures that contradict each other: none of them higher than its default, and each of the
- * limits that a warmer one contradicts is colder than that. */
+ * limits that a warmer one contradicts is colder than that.
+ */
 static void mend_temperatures(struct params *self, struct param_set *mended)
 {
 	const int32_t *const values = self->values;

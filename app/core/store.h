@@ -60,7 +60,8 @@ enum {
 };
 
 /* params is always there; power without has_power: what holds as long as nothing is stored, no
- * change. signing: opaque. */
+ * change. signing: opaque.
+ */
 struct store_state {
 	struct params params;
 	bool has_light;

@@ -66,6 +66,6 @@ bool can_link_send(const struct dronecan_frame *frame);
 struct can_link_status can_link_status_get(void);
 
 /* Thread entry, if the board has CAN and it has started. */
-void can_link_run(void *, void *, void *);
+void can_link_run(void *p1, void *p2, void *p3);
 
 #endif

@@ -17,7 +17,8 @@ static inline int64_t clock_now_us(void)
 }
 
 /* The absolute timeout of a core deadline; TIME_NEVER_US is K_FOREVER: what else its user waits for
- * ends the wait. */
+ * ends the wait.
+ */
 static inline k_timeout_t clock_timeout(int64_t deadline_us)
 {
 	return deadline_us == TIME_NEVER_US ? K_FOREVER : K_TIMEOUT_ABS_US(deadline_us);

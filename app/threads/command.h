@@ -11,6 +11,6 @@
 void command_init(void);
 
 /* Thread entry. */
-void command_run(void *, void *, void *);
+void command_run(void *p1, void *p2, void *p3);
 
 #endif

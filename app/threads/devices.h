@@ -34,7 +34,8 @@ extern const struct devices devices;
 
 #ifdef CONFIG_PHAROS_IMC
 /* What IMC actuates, by its number (proto/imc/actuation_map.h). .port or .dev NULL: not on this
- * board. */
+ * board.
+ */
 struct actuator_devices {
 	struct gpio_dt_spec power[ACTUATOR_POWER_CHANNELS];
 	struct gpio_dt_spec gpio_outputs[ACTUATOR_GPIO_OUTPUTS];

@@ -36,6 +36,6 @@ void imc_link_announce(int32_t scope, const uint8_t *bytes, size_t length);
 struct imc_link_stats imc_link_stats_get(void);
 
 /* Thread entry, if the board has datagrams. */
-void imc_link_run(void *, void *, void *);
+void imc_link_run(void *p1, void *p2, void *p3);
 
 #endif

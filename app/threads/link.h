@@ -46,7 +46,8 @@ static inline struct link_framing_stats link_framing_of(const struct mavlink_fra
 }
 
 /* Whether frames that can't be verified are received too, to be forwarded. Set by the command
- * thread; any thread. */
+ * thread; any thread.
+ */
 void link_set_opaque(bool opaque);
 bool link_is_opaque(void);
 

@@ -33,7 +33,8 @@ LOG_MODULE_REGISTER(mavlink);
 #define REBOOT_DELAY_US 500000
 
 /* What has not started, or stands wrong, is told again: whoever listens may not have been there
- * before. */
+ * before.
+ */
 #define TOLD_AGAIN_US (30 * US_PER_S)
 
 static struct pharos_device *device;

@@ -16,7 +16,8 @@ void reset_cause_init(void);
 void reset_cause_text(char text[RESET_CAUSE_TEXT_MAX]);
 
 /* Remembers, over the reset that will follow, which thread stalls; NULL: none does.
- * Any context. */
+ * Any context.
+ */
 void reset_cause_blame(const char *thread);
 
 #endif

@@ -186,7 +186,8 @@ static void lock_signing(void)
 }
 
 /* First what is old: a whole record takes its place, and what still reads of a broken one lowers
- * it. */
+ * it.
+ */
 static int load_all(void)
 {
 	struct loading loading = {.salvage = false};

@@ -63,7 +63,8 @@ void storage_save_signing(const struct mavlink_signing_record *signing);
 struct storage_stats storage_stats_get(void);
 
 /* Runs the work in storage's thread, between two writes: for what is slow with flash as well. It
- * may be submitted again at once. After storage_start(); any context. */
+ * may be submitted again at once. After storage_start(); any context.
+ */
 void storage_submit(struct k_work *work);
 
 /* Begins to write. Once, after storage_load(). */

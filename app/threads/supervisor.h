@@ -65,6 +65,6 @@ int32_t supervisor_age_ms(enum supervisor_watch watch);
 bool supervisor_all_report(void);
 
 /* Thread entry: arms the watchdog, or takes over one that runs already. */
-void supervisor_run(void *, void *, void *);
+void supervisor_run(void *p1, void *p2, void *p3);
 
 #endif

@@ -23,6 +23,6 @@ void thermal_thread_get(struct thermal *copy);
 bool thermal_thread_has_sampled(void);
 
 /* Thread entry. */
-void thermal_thread_run(void *, void *, void *);
+void thermal_thread_run(void *p1, void *p2, void *p3);
 
 #endif

@@ -42,7 +42,8 @@ void tunnel_links_put(const struct dronecan_tunnel_received *received);
 bool tunnel_links_next(struct tunnel_event *event);
 
 /* Looks for channels that have closed, and those that are silent amid a frame, which perhaps is
- * none. Then tunnel_links_next(). */
+ * none. Then tunnel_links_next().
+ */
 void tunnel_links_step(void);
 int64_t tunnel_links_deadline_us(void);
 
@@ -50,7 +51,8 @@ int64_t tunnel_links_deadline_us(void);
 bool tunnel_links_written(void);
 
 /* As links_send(), links_forward() and links_stats_get() (any thread) of the link TUNNEL_LINK0 +
- * channel. */
+ * channel.
+ */
 int tunnel_link_send(uint8_t channel, const uint8_t *frame, size_t length);
 int tunnel_link_forward(uint8_t channel, const uint8_t *frame, size_t length);
 int tunnel_link_stats_get(uint8_t channel, struct link_stats *stats);

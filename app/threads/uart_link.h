@@ -32,6 +32,6 @@ void uart_links_init(const struct params *params);
 enum uart_protocol uart_link_protocol(uint8_t number);
 
 /* Thread entry; number: 0…UART_LINKS_MAX - 1, one that has started. */
-void uart_link_run(void *number, void *, void *);
+void uart_link_run(void *number, void *p2, void *p3);
 
 #endif

@@ -32,7 +32,8 @@ void imc_peers_heard(struct imc_peers *self, int64_t now_us, uint16_t id,
                      const struct imc_route *route, bool announced);
 
 /* Where answers to a packet go that came from `from`: to the address that its sender has announced,
- * else there. */
+ * else there.
+ */
 const struct imc_route *imc_peers_answer_route(const struct imc_peers *self, uint16_t id,
                                                const struct imc_route *from);
 

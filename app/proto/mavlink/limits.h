@@ -64,7 +64,8 @@
 
 /* Gimbal: how often the vehicle is asked for what does not come, at first and after so many times
  * in vain; when a datum counts as lost and when the vehicle or another manager does; and how often
- * the data are wanted. */
+ * the data are wanted.
+ */
 #define MAVLINK_GIMBAL_ASK_US          1000000
 #define MAVLINK_GIMBAL_ASKS            10
 #define MAVLINK_GIMBAL_ASK_AGAIN_US    30000000
@@ -78,13 +79,15 @@
 #define MAVLINK_SIGNING_STORE_S     50
 
 /* Routing: senders whose link is known, the silence after which they may have moved, and after
- * which it no longer counts that they have commanded. */
+ * which it no longer counts that they have commanded.
+ */
 #define MAVLINK_ROUTES_MAX       32
 #define MAVLINK_ROUTE_SILENCE_US 5000000
 #define MAVLINK_ROUTE_TRUST_US   60000000
 
 /* The same bytes within this time have gone in a circle. So many frames are forwarded within it at
- * most, and of these so many from one link: none is forgotten before. */
+ * most, and of these so many from one link: none is forgotten before.
+ */
 #define MAVLINK_SEEN_US       250000
 #define MAVLINK_SEEN_MAX      CONFIG_PHAROS_ROUTE_FRAMES
 #define MAVLINK_SEEN_LINK_MAX (MAVLINK_SEEN_MAX / 2)
@@ -96,7 +99,8 @@
 #define MAVLINK_FTP_DATA_MAX 239
 
 /* A firmware image that is uploaded: what is handed to the flash at once, and the silence after
- * which it is given up. */
+ * which it is given up.
+ */
 #define MAVLINK_UPLOAD_BLOCK   256
 #define MAVLINK_UPLOAD_IDLE_US 60000000
 

@@ -13,7 +13,8 @@
 #include "threads/inbox.h"
 
 /* function(device, argument) has run, and *result (or NULL) is what it returned; false: there is
- * no command thread yet, nothing has run, and the user knows. */
+ * no command thread yet, nothing has run, and the user knows.
+ */
 static inline bool shell_call(const struct shell *sh,
                               int (*function)(struct pharos_device *, void *), void *argument,
                               int *result)

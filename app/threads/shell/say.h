@@ -23,7 +23,8 @@ void say_fixed(const struct shell *sh, const char *label, int64_t value, unsigne
                const char *unit);
 
 /* Says "ok", or that the device refused; status: the command that tells who is in command. result
- * ACCEPTED, EXCLUDED, OUTRANKED. Returns the command's 0 or -errno. */
+ * ACCEPTED, EXCLUDED, OUTRANKED. Returns the command's 0 or -errno.
+ */
 int say_result(const struct shell *sh, enum device_result result, const char *status);
 
 #endif

@@ -45,7 +45,8 @@ static inline int thermistor_sample(const struct device *dev, struct thermistor_
 }
 
 /* The lamp is real, and what is measured is not its temperature: nothing protects it from heat. Any
- * context. */
+ * context.
+ */
 static inline bool thermistor_is_simulated(const struct device *dev)
 {
 	const struct thermistor_driver_api *api = (const struct thermistor_driver_api *)dev->api;
