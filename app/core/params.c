@@ -5,13 +5,18 @@
 
 #include <string.h>
 
+#ifdef CONFIG_PHAROS_PARAM_MEANINGS
+#define PARAMS_MEANING(meaning_) .meaning = (meaning_),
+#else
+#define PARAMS_MEANING(meaning_)
+#endif
+
 #define PARAMS_INFO(name_, group_, unit_, decimals_, min_, max_, fallback_, flags_, meaning_)      \
 	[PARAM_##name_] = {                                                                        \
 		.name = #name_,                                                                    \
 		.unit = (unit_),                                                                   \
 		.decimals = (decimals_),                                                           \
-		.meaning = (meaning_),                                                             \
-		.min = (min_),                                                                     \
+		PARAMS_MEANING(meaning_).min = (min_),                                             \
 		.max = (max_),                                                                     \
 		.fallback = (fallback_),                                                           \
 		.flags = (flags_),                                                                 \
@@ -19,6 +24,7 @@
 	},
 static const struct param_info table[PARAM_COUNT] = {PARAMS_TABLE(PARAMS_INFO)};
 #undef PARAMS_INFO
+#undef PARAMS_MEANING
 
 #define PARAMS_CHECK(name, group, unit, decimals, min, max, fallback, flags, meaning)              \
 	_Static_assert((min) <= (fallback) && (fallback) <= (max),                                 \

@@ -57,7 +57,9 @@ enum param_id {
 struct param_info {
 	const char *name;
 	const char *unit;
+#ifdef CONFIG_PHAROS_PARAM_MEANINGS
 	const char *meaning;
+#endif
 	int32_t min;
 	int32_t max;
 	int32_t fallback; /* the default */

@@ -33,8 +33,10 @@ const struct devices devices = {
 	.light = DEVICE_DT_GET(DT_ALIAS(light0)),
 	.thermistor = DEVICE_DT_GET(DT_ALIAS(thermistor0)),
 	.watchdog = DEVICE_DT_GET(DT_ALIAS(watchdog0)),
+#ifdef CONFIG_PHAROS_GIMBAL
 	.servo_pan = DEVICE_DT_GET_OR_NULL(DT_ALIAS(servo_pan)),
 	.servo_tilt = DEVICE_DT_GET_OR_NULL(DT_ALIAS(servo_tilt)),
+#endif
 	.probe = DEVICE_DT_GET_OR_NULL(DT_ALIAS(probe0)),
 	.can_link = CAN_LINK,
 	.edge_time = DEVICE_DT_GET_OR_NULL(DT_ALIAS(edge_time0)),

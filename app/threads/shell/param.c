@@ -13,6 +13,12 @@
 #include "threads/shell/names.h"
 #include "threads/shell/say.h"
 
+#ifdef CONFIG_PHAROS_PARAM_MEANINGS
+#define MEANING_OF(info) ((info)->meaning)
+#else
+#define MEANING_OF(info) ""
+#endif
+
 static void print_param(const struct shell *sh, const struct params *params, uint32_t index)
 {
 	const struct param_info *const info = params_info(index);
@@ -25,10 +31,10 @@ static void print_param(const struct shell *sh, const struct params *params, uin
 	(void)param_print(info, info->min, min);
 	(void)param_print(info, info->max, max);
 	(void)param_print(info, info->fallback, fallback);
-	shell_print(sh, "%-16s %10s %-8s %s to %s, default %s%s%s  %s", info->name, value,
-	            info->unit, min, max, fallback,
-	            (info->flags & PARAM_FLAG_REBOOT) != 0 ? ", after reset" : "",
-	            (info->flags & PARAM_FLAG_READ_ONLY) != 0 ? ", read-only" : "", info->meaning);
+	shell_print(
+		sh, "%-16s %10s %-8s %s to %s, default %s%s%s  %s", info->name, value, info->unit,
+		min, max, fallback, (info->flags & PARAM_FLAG_REBOOT) != 0 ? ", after reset" : "",
+		(info->flags & PARAM_FLAG_READ_ONLY) != 0 ? ", read-only" : "", MEANING_OF(info));
 }
 
 static int copy_params(struct pharos_device *device, void *argument)
