@@ -23,7 +23,7 @@ RESERVE_PERCENT = 30
 # thread's stack.
 FPU_FRAME = 18 * 4
 FPU_GUARD = 64
-REFERENCE_SIZES = {"idle": 320, "sys_work_q": 640, "interrupt": 1024, "logging": 640}
+REFERENCE_SIZES = {"idle": 320, "sys_work_q": 640, "interrupt": 896, "logging": 640}
 # Thumb's udf #0, which no processor carries out.
 UNDEFINED = b"\x00\xde"
 # The board's enable output for the lamp's driver: bit 0 of the first GPIO port, active high.

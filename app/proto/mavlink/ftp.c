@@ -238,7 +238,9 @@ static uint8_t write_file(struct mavlink_ftp *self, const struct mavlink_context
 	                           mavlink_ftp_session_free_id(self, context, request->session),
 	                           answer);
 #else
-	return MAV_FTP_ERR_FILEPROTECTED;
+	/* no session writes */
+	return request->opcode == MAV_FTP_OPCODE_WRITEFILE ? MAV_FTP_ERR_INVALIDSESSION
+	                                                   : MAV_FTP_ERR_FILEPROTECTED;
 #endif
 }
 
