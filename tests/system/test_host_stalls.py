@@ -18,6 +18,7 @@ from typing import Any
 
 import pytest
 
+from fake_sysfs import FakeSysfs
 from harness import BINARY
 from pharos.control import ControlClient
 
@@ -277,3 +278,52 @@ def test_a_reset_waits_for_a_write_that_was_begun(slow: Start) -> None:
     light.control.request("reset")
     assert not _is_writing(light)
     assert light.outputs()["resets"] == 1
+
+
+# --- a bus that hangs -----------------------------------------------------------------------------
+
+
+def _press(light: RealLight, lit: bool) -> None:
+    """The button is held until the lamp follows."""
+    light.control.request("gpio", line="button", value=0)
+    light.until("the button", lambda: (light.outputs()["level_ppm"] > 0) == lit)
+    light.control.request("gpio", line="button", value=1)
+    light.run_for(100_000)  # longer than a level must last to count
+
+
+def test_a_pwm_whose_bus_hangs_stops_nothing_and_is_a_fault_of_the_lamp(
+    real: Start, tmp_path: Path
+) -> None:
+    sysfs = FakeSysfs(tmp_path / "sys")
+    (lamp,) = sysfs.pwmchip(0, channels=1)
+    sysfs.hwmon(0, "lm75", temp1_input=25000)
+    hangs = tmp_path / "hangs"
+    env = {
+        **os.environ,
+        "LD_PRELOAD": str(BINARY.parent / "tests/native/libslow_bus.so"),
+        "SLOW_BUS": str(hangs),
+        "ASAN_OPTIONS": "verify_asan_link_order=0",
+    }
+    words = ("--light", "pwm:0/0", "--thermistor", "hwmon:lm75/temp1")
+    light = real("--sysfs", str(sysfs.root), *words, env=env)
+
+    def pwm() -> dict[str, Any]:
+        return dict(light.control.request("pwm")["outputs"]["light"])
+
+    _press(light, lit=True)
+    light.until("a duty", lambda: FakeSysfs.get(lamp, "duty_cycle") == "500000")
+    hangs.touch()
+    _press(light, lit=False)
+    assert FakeSysfs.get(lamp, "duty_cycle") == "500000"
+    light.until("a fault", lambda: not pwm()["present"])
+    assert light.said("light: 0/0 is lost: Connection timed out")
+    light.run_for(2_500_000)  # longer than every limit of supervision
+    assert light.outputs()["resets"] == 0
+    assert light.outputs()["measured_mdegc"] == 25000
+    hangs.unlink()
+    light.until("the dark that was wanted", lambda: FakeSysfs.get(lamp, "duty_cycle") == "0")
+    light.until("all well", lambda: pwm()["present"])
+    light.run_for(300_000)  # the limit, which comes ten times a second, finds that out
+    _press(light, lit=True)
+    light.until("a duty", lambda: FakeSysfs.get(lamp, "duty_cycle") == "500000")
+    assert pwm()["losses"] == 1

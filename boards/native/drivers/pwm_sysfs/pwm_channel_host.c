@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "host/claim.h"
@@ -67,10 +68,32 @@ int pwm_channel_find(struct pwm_channel *self, const struct pwm_place *place,
 	return 0;
 }
 
+static void close_fd(int *fd)
+{
+	if (*fd >= 0) {
+		close(*fd);
+		*fd = -1;
+	}
+}
+
+/* One that we have we keep: our guard has it as well. A chip that was plugged in anew is another.
+ */
 static int claim(struct pwm_channel *self, bool *is_ours, struct host_error *error)
 {
+	struct stat folder;
+
+	if (stat(self->chip, &folder) != 0) {
+		return host_error_set(error, "%s: %s", self->chip, strerror(errno));
+	}
+	if (self->claim_fd >= 0 && self->claim_device == folder.st_dev &&
+	    self->claim_folder == folder.st_ino) {
+		return 0;
+	}
+	close_fd(&self->claim_fd);
 	self->claim_fd = claim_name(self->path);
 	if (self->claim_fd >= 0) {
+		self->claim_device = folder.st_dev;
+		self->claim_folder = folder.st_ino;
 		return 0;
 	}
 	*is_ours = errno == EADDRINUSE;
@@ -124,13 +147,19 @@ static int configure(struct pwm_channel *self, const struct pwm_place *place,
 	return rc == 0 ? 0 : host_error_set(error, "%s: %s", self->path, strerror(-rc));
 }
 
+void pwm_channel_init(struct pwm_channel *self)
+{
+	*self = (struct pwm_channel){.claim_fd = -1, .duty_fd = -1, .enable_fd = -1};
+}
+
 int pwm_channel_open(struct pwm_channel *self, const struct pwm_place *place, bool is_exported,
                      bool *is_ours, struct host_error *error)
 {
 	int rc;
 
-	*self = (struct pwm_channel){
-		.is_exported = is_exported, .claim_fd = -1, .duty_fd = -1, .enable_fd = -1};
+	close_fd(&self->duty_fd);
+	close_fd(&self->enable_fd);
+	self->is_exported = is_exported;
 	*is_ours = false;
 	rc = pwm_channel_find(self, place, error);
 	if (rc == 0) {
@@ -155,7 +184,8 @@ int pwm_channel_open(struct pwm_channel *self, const struct pwm_place *place, bo
 		if (self->claim_fd >= 0) {
 			pwm_channel_end(self);
 		}
-		pwm_channel_close(self);
+		close_fd(&self->duty_fd);
+		close_fd(&self->enable_fd);
 	}
 	return rc;
 }
@@ -185,14 +215,6 @@ void pwm_channel_end(const struct pwm_channel *self)
 	if (self->is_exported) {
 		(void)snprintf(text, sizeof(text), "%u\n", self->channel);
 		(void)sysfs_write(self->chip, "unexport", text);
-	}
-}
-
-static void close_fd(int *fd)
-{
-	if (*fd >= 0) {
-		close(*fd);
-		*fd = -1;
 	}
 }
 

@@ -8,6 +8,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <sys/types.h>
 
 #include "host/error.h"
 #include "host/sysfs.h"
@@ -24,8 +25,10 @@ struct pwm_channel {
 	char chip[SYSFS_PATH_SIZE];
 	char path[SYSFS_PATH_SIZE];
 	uint32_t channel;
-	bool is_exported; /* by us: so we unexport it */
-	int claim_fd;     /* no other light has it; -1: it is closed */
+	bool is_exported;   /* by us: so we unexport it */
+	int claim_fd;       /* no other light has it; -1: not claimed */
+	dev_t claim_device; /* the folder that the claim is for */
+	ino_t claim_folder;
 	int duty_fd;
 	int enable_fd;
 };
@@ -34,10 +37,13 @@ struct pwm_channel {
 int pwm_channel_find(struct pwm_channel *self, const struct pwm_place *place,
                      struct host_error *error);
 
+/* Before all else. */
+void pwm_channel_init(struct pwm_channel *self);
+
 /*
- * Finds the chip, exports the channel, and lets it run with pulses of no length. is_exported: an
- * earlier one of us has exported it. 0; or -1 with a reason, and *is_ours says whether another
- * light, or its guard, has it.
+ * Finds the chip, exports the channel, and lets it run with pulses of no length; again, after it
+ * was lost. is_exported: an earlier one of us has exported it. 0; or -1 with a reason, and *is_ours
+ * says whether another light, or its guard, has it.
  */
 int pwm_channel_open(struct pwm_channel *self, const struct pwm_place *place, bool is_exported,
                      bool *is_ours, struct host_error *error);
@@ -51,7 +57,7 @@ int pwm_channel_check(const struct pwm_channel *self);
 /* No pulses, and unexported if we have exported it. Also in another process that shares it. */
 void pwm_channel_end(const struct pwm_channel *self);
 
-/* Closes what is open; the output stays as it is. */
+/* Closes what is open, and gives up the claim; the output stays as it is. */
 void pwm_channel_close(struct pwm_channel *self);
 
 #endif

@@ -136,7 +136,6 @@ static void work(struct helper_job *job)
 		output->error = pwm_channel_check(&output->pwm);
 		break;
 	case TASK_OPEN:
-		pwm_channel_close(&output->pwm);
 		output->error = pwm_channel_open(&output->pwm, &pwm_places[channel],
 		                                 (exported & (1u << channel)) != 0, &is_ours,
 		                                 &output->reason);
@@ -371,8 +370,7 @@ static int start(void)
 
 	carry_register("pwm", &exported, sizeof(exported));
 	for (uint32_t channel = 0; channel < BOARD_PWM_COUNT; channel++) {
-		outputs[channel].pwm =
-			(struct pwm_channel){.claim_fd = -1, .duty_fd = -1, .enable_fd = -1};
+		pwm_channel_init(&outputs[channel].pwm);
 	}
 	guarded.make_safe = make_safe;
 	guarded.keeps = keeps;
