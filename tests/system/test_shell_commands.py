@@ -12,6 +12,9 @@ import pytest
 from harness import CONSOLE, FULL_PPM, WIRES, Light, Shell, light_on
 from pharos import MavlinkConnection, Simulator, Source
 
+# A processor is longer at it than at other lines.
+LIST_US = 2_000_000
+
 
 @pytest.fixture
 def both(start: Callable[..., Simulator]) -> tuple[Light, Shell]:
@@ -37,9 +40,9 @@ def both(start: Callable[..., Simulator]) -> tuple[Light, Shell]:
 )
 def test_a_parameter_that_is_refused(both: tuple[Light, Shell], line: str, said: str) -> None:
     shell = both[1]
-    before = shell("param list").partition("\n")[2]
+    before = shell.keys("param list\r", LIST_US).partition("\n")[2]
     assert said in shell(line)
-    assert shell("param list").partition("\n")[2] == before
+    assert shell.keys("param list\r", LIST_US).partition("\n")[2] == before
     assert re.search(r"THR_RECOVER +79 degC ", shell("param set THR_RECOVER 79"))
 
 
@@ -132,6 +135,8 @@ def test_a_shell_that_is_outranked_says_so(both: tuple[Light, Shell]) -> None:
 # --- power, resets, the vehicle -------------------------------------------------------------------
 def test_a_channel_that_is_saved_is_on_after_a_start(both: tuple[Light, Shell]) -> None:
     light, shell = both
+    if "aux" not in shell("power status"):
+        pytest.skip("needs channels of power, which the board has not")
     assert "no channel 'x' (see: power status)" in shell("power save x")
     shell("power on aux")
     assert re.search(r"aux +on, after a start off", shell("power status"))
@@ -160,4 +165,5 @@ def test_the_system_id_says_where_it_is_from(both: tuple[Light, Shell]) -> None:
     assert "1, until a vehicle is heard" in shell("mavlink")
     autopilot = MavlinkConnection(light.mav.link, light.sim, light.mav.dialect, Source(7, 1))
     autopilot.send(autopilot.dialect.MAVLink_heartbeat_message(2, 3, 0, 0, 4, 3))
+    light.sim.advance(20_000)  # a processor's time
     assert "a vehicle is heard, waiting for others" in shell("mavlink")
