@@ -34,8 +34,14 @@ ZTEST(mavlink_gimbal_vehicle, test_attitude_of_others_is_not_the_vehicles)
 	say(1, 1, &kind, &attitude);
 	attitude.yaw = 1e9f;
 	say(1, 1, &kind, &attitude);
+	attitude.yaw = -12.7f; /* more than two turns: 12.566 */
+	say(1, 1, &kind, &attitude);
 	zassert_equal(gimbal->attitude_us, -1);
-	zassert_equal(its.stats.bad, 2);
+	zassert_equal(its.stats.bad, 3);
+	attitude.yaw = -12.5f;
+	say(1, 1, &kind, &attitude);
+	zassert_equal(gimbal->attitude_us, now_us);
+	zassert_equal(its.stats.bad, 3);
 }
 
 struct requests {
