@@ -2,7 +2,11 @@
 /* The node's services. Specs: the uavcan.protocol types; dronecan.md, "Node". */
 #include "device.h"
 
-#include <math.h>
+/* Zephyr's minimal C library has neither. */
+#undef NAN
+#undef INFINITY
+#define NAN      __builtin_nanf("")
+#define INFINITY __builtin_inff()
 
 static struct dronecan_transfer heard;
 

@@ -136,12 +136,12 @@ ZTEST(mavlink_gimbal_vehicle, test_what_never_comes_is_asked_for_ever_more_seldo
 
 /* --- the manager ------------------------------------------------------------------------------ */
 
-/* GIMBAL_DEVICE_SET_ATTITUDE with a yaw of 20 degrees, from anyone. */
-static void point(uint8_t system, uint8_t component, float yaw_half_rad)
+/* GIMBAL_DEVICE_SET_ATTITUDE with a yaw, from anyone: cosine and sine of its half. */
+static void point(uint8_t system, uint8_t component, float w, float z)
 {
 	static const struct mavlink_kind kind = MAVLINK_KIND(GIMBAL_DEVICE_SET_ATTITUDE);
 	const mavlink_gimbal_device_set_attitude_t wire = {
-		.q = {cosf(yaw_half_rad), 0, 0, sinf(yaw_half_rad)},
+		.q = {w, 0, 0, z},
 		.angular_velocity_x = NAN,
 		.angular_velocity_y = NAN,
 		.angular_velocity_z = NAN,
@@ -153,21 +153,21 @@ static void point(uint8_t system, uint8_t component, float yaw_half_rad)
 	pass(SECOND);
 }
 
-#define DEG_20_HALF  0.17453293f
-#define DEG_M40_HALF -0.34906585f
+#define DEG_20  0.98480775f, 0.17364818f
+#define DEG_M40 0.93969262f, -0.34202014f
 
 ZTEST(mavlink_gimbal_vehicle, test_set_attitude_is_the_managers)
 {
 	static const uint8_t others[][2] = {{9, 25}, {1, 190}, {2, 1}, {255, 190}, {1, 191}};
 
-	point(1, 1, DEG_20_HALF);
+	point(1, 1, DEG_20);
 	assert_at(20000, 0);
 	for (uint32_t i = 0; i < ARRAY_SIZE(others); i++) {
-		point(others[i][0], others[i][1], DEG_M40_HALF);
+		point(others[i][0], others[i][1], DEG_M40);
 		assert_at(20000, 0);
 		zassert_equal(its.stats.foreign, i + 1);
 	}
-	point(1, 1, DEG_M40_HALF);
+	point(1, 1, DEG_M40);
 	assert_at(-40000, 0);
 	zassert_equal(its.stats.set, 2);
 }
@@ -181,21 +181,21 @@ ZTEST(mavlink_gimbal_vehicle, test_manager_names_its_gimbal)
 	const mavlink_gimbal_manager_status_t state = {.gimbal_device_id = 154};
 
 	say(1, 191, &information, &told);
-	point(1, 191, DEG_20_HALF);
+	point(1, 191, DEG_20);
 	assert_at(0, 0);
 	told.gimbal_device_id = 154;
 	say(9, 191, &information, &told);
-	point(9, 191, DEG_20_HALF);
+	point(9, 191, DEG_20);
 	assert_at(0, 0);
 	say(1, 191, &information, &told);
-	point(1, 191, DEG_20_HALF);
+	point(1, 191, DEG_20);
 	assert_at(20000, 0);
 	say(1, 192, &status, &state);
-	point(1, 192, DEG_M40_HALF);
+	point(1, 192, DEG_M40);
 	assert_at(-40000, 0);
-	point(1, 191, DEG_20_HALF);
+	point(1, 191, DEG_20);
 	assert_at(-40000, 0);
-	point(1, 1, DEG_20_HALF);
+	point(1, 1, DEG_20);
 	assert_at(20000, 0);
 	/* it is heard: mount commands of others wait */
 	zassert_equal(ORDER(205, 0, 0, 10, 0, 0, 0, 2), MAV_RESULT_TEMPORARILY_REJECTED);
