@@ -387,14 +387,6 @@ struct thermal_report thermal_step(struct thermal *self, int64_t now_us,
 	return *report;
 }
 
-int64_t thermal_deadline_us(const struct thermal *self)
-{
-	if (self->report.fault == THERMAL_FAULT_MISSING && is_missing(self, self->now_us)) {
-		return TIME_NEVER_US;
-	}
-	return self->sample_us + self->config.missing_us + 1;
-}
-
 const char *thermal_fault_name(enum thermal_fault fault)
 {
 	switch (fault) {

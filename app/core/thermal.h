@@ -160,14 +160,11 @@ void thermal_init(struct thermal *self, int64_t now_us, const struct thermal_con
 void thermal_configure(struct thermal *self, const struct thermal_config *config);
 
 /*
- * sample: one sample taken at now_us; NULL: none came, but the deadline has. now_us never goes back
+ * sample: one sample taken at now_us; NULL: none has come by now. now_us never goes back
  * (asserted). Returns what is in force from now on.
  */
 struct thermal_report thermal_step(struct thermal *self, int64_t now_us,
                                    const struct thermal_sample *sample);
-
-/* When samples count as missing; TIME_NEVER_US once they do. */
-int64_t thermal_deadline_us(const struct thermal *self);
 
 /* Short words for people, constant and never NULL: "open", "over temperature", … */
 const char *thermal_fault_name(enum thermal_fault fault);

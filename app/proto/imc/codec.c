@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "core/byte_table.h"
+
 #define SYNC_FIRST  0x54u /* of a little endian packet; the other order if it is big endian */
 #define SYNC_SECOND 0xFEu
 #define AT_ID       2u
@@ -10,16 +12,28 @@
 /* Every member of the union begins where the first does. */
 #define FIELDS_AT   offsetof(struct imc_message, entity_state)
 
+/* Polynomial 0x8005, reflected: a byte, shifted through the register. The bits of 0x6996 are the
+ * parities of 0…15. */
+#define ODD(byte)     (0x6996u >> (((byte) ^ (byte) >> 4) & 0xFu) & 1u)
+#define SHIFTED(byte) ((byte) << 6 ^ (byte) << 7 ^ ODD(byte) * 0xC001u)
+
+static uint32_t shifted(uint32_t byte)
+{
+#ifdef CONFIG_PHAROS_CHECKSUM_TABLES
+	static const uint16_t table[256] = {BYTE_TABLE(SHIFTED)};
+
+	return table[byte];
+#else
+	return SHIFTED(byte);
+#endif
+}
+
 uint16_t imc_checksum(const uint8_t *bytes, size_t length)
 {
 	uint32_t sum = 0;
 
 	for (size_t i = 0; i < length; i++) {
-		const uint32_t low = (sum ^ bytes[i]) & 0xFFu;
-		/* the bits of 0x6996 are the parities of 0…15 */
-		const uint32_t odd = 0x6996u >> ((low ^ low >> 4) & 0xFu) & 1u;
-
-		sum = sum >> 8 ^ low << 6 ^ low << 7 ^ odd * 0xC001u;
+		sum = sum >> 8 ^ shifted((sum ^ bytes[i]) & 0xFFu);
 	}
 	return (uint16_t)sum;
 }

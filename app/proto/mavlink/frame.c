@@ -8,6 +8,8 @@
 
 #include <string.h>
 
+#include "core/byte_table.h"
+
 #define MESSAGES (sizeof(pharos_crc_extra_ids) / sizeof(pharos_crc_extra_ids[0]))
 
 /* Polynomial 0x1021, reflected: a byte, shifted through the register. */
@@ -15,25 +17,12 @@
 #define SPREAD(mixed) ((mixed) << 8 ^ (mixed) << 3 ^ (mixed) >> 4)
 #define SHIFTED(byte) SPREAD(MIXED(byte))
 
-#ifdef CONFIG_PHAROS_CHECKSUM_TABLE
-#define SHIFTED_4(byte) SHIFTED(byte), SHIFTED(byte + 1u), SHIFTED(byte + 2u), SHIFTED(byte + 3u)
-#define SHIFTED_16(byte)                                                                           \
-	SHIFTED_4(byte), SHIFTED_4(byte + 4u), SHIFTED_4(byte + 8u), SHIFTED_4(byte + 12u)
-#define SHIFTED_64(byte)                                                                           \
-	SHIFTED_16(byte), SHIFTED_16(byte + 16u), SHIFTED_16(byte + 32u), SHIFTED_16(byte + 48u)
-
-static const uint16_t shifted_table[256] = {
-	SHIFTED_64(0u),
-	SHIFTED_64(64u),
-	SHIFTED_64(128u),
-	SHIFTED_64(192u),
-};
-#endif
-
 static uint32_t shifted(uint32_t byte)
 {
-#ifdef CONFIG_PHAROS_CHECKSUM_TABLE
-	return shifted_table[byte];
+#ifdef CONFIG_PHAROS_CHECKSUM_TABLES
+	static const uint16_t table[256] = {BYTE_TABLE(SHIFTED)};
+
+	return table[byte];
 #else
 	return SHIFTED(byte);
 #endif

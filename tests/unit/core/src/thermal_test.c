@@ -157,13 +157,6 @@ ZTEST(core_thermal, test_new_thresholds_apply_with_the_next_sample)
 	zassert_equal(rig_temp(&rig, 65000).limit_ppm, 0);
 }
 
-ZTEST(core_thermal, test_deadline_is_when_samples_are_missing)
-{
-	zassert_equal(thermal_deadline_us(&rig.thermal), 1500001);
-	rig_temp(&rig, 25000);
-	zassert_equal(thermal_deadline_us(&rig.thermal), 1600001);
-}
-
 ZTEST(core_thermal, test_time_going_back_is_a_bug)
 {
 	rig_temp(&rig, 25000);
