@@ -201,7 +201,7 @@ def zephyr(_: argparse.Namespace) -> Outcome:
         "boards",
         "--force-toolchain",
     ]
-    # Its filter reads devicetrees without CMakeLists.txt; 4.1.99 refuses a vendor that it knows not.
+    # Its filter reads devicetrees without CMakeLists.txt; 4.1.99 refuses an unknown vendor.
     twister.append(f"-x=DTS_ROOT={ROOT / 'drivers'}")
     twister += ["-O", images.folder("twister"), "--clobber-output", "--inline-logs"]
     for board in dict.fromkeys(target.board for target in images.TARGETS.values()):

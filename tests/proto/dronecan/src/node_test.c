@@ -3,8 +3,6 @@
 #include "device.h"
 
 /* Zephyr's minimal C library has neither. */
-#undef NAN
-#undef INFINITY
 #define NAN      __builtin_nanf("")
 #define INFINITY __builtin_inff()
 
