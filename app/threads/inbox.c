@@ -12,6 +12,7 @@
 #include "threads/frames.h"
 #include "threads/limits.h"
 
+#define START_WAIT_MS 1500
 #define START_POLL_MS 10
 
 /* On its caller's stack. */
@@ -114,9 +115,9 @@ int inbox_call(int (*function)(struct pharos_device *, void *), void *argument)
 	struct inbox_call call = {.function = function, .argument = argument};
 	const struct inbox_item item = {.kind = INBOX_CALL, .call = &call};
 
-	while (atomic_get(&is_open) == 0) {
-		/* start-up is still at work, and watched: it ends, or is bitten */
-		if (supervisor_age_ms(SUPERVISOR_START) < 0) {
+	for (int waited_ms = 0; atomic_get(&is_open) == 0; waited_ms += START_POLL_MS) {
+		/* start-up ends or is bitten, but for a watchdog that does not answer either */
+		if (supervisor_age_ms(SUPERVISOR_START) < 0 || waited_ms >= START_WAIT_MS) {
 			return -EAGAIN;
 		}
 		k_sleep(K_MSEC(START_POLL_MS));
