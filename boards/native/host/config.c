@@ -17,6 +17,7 @@ enum {
 
 static char *text; /* of the file; NULL: there is none */
 static size_t text_length;
+static char *values[NAMES_MAX]; /* options keep them */
 
 struct reader {
 	const char *path;
@@ -82,7 +83,6 @@ static int take_line(void *user, const char *section, const char *name, const ch
 	struct reader *reader = user;
 	struct host_error reason;
 	const int before = given(reader, name);
-	char *kept;
 
 	if (section[0] != '\0') {
 		(void)host_error_set(&reason, "no section [%s]; options stand without one",
@@ -96,10 +96,16 @@ static int take_line(void *user, const char *section, const char *name, const ch
 	} else if (reader->count == NAMES_MAX) {
 		(void)host_error_set(&reason, "more than %d options", NAMES_MAX);
 	} else {
-		reader->names[reader->count] = strdup(name);
+		char *const kept = strdup(value);
+		char *const kept_name = strdup(name);
+
+		if (kept == NULL || kept_name == NULL) {
+			abort();
+		}
+		values[reader->count] = kept;
+		reader->names[reader->count] = kept_name;
 		reader->lines[reader->count++] = reader->line;
-		kept = strdup(value);
-		if (kept != NULL && reader->take(name, kept, &reason) == 0) {
+		if (reader->take(name, kept, &reason) == 0) {
 			return 1;
 		}
 	}
