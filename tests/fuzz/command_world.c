@@ -13,6 +13,7 @@
 
 #include <pharos/drivers/datagram.h>
 #include <pharos/drivers/light.h>
+#include <pharos/drivers/thermistor.h>
 
 #include "check.h"
 #include "core/light.h"
@@ -110,9 +111,12 @@ static const struct light_driver_api light_api = {
 };
 static const struct datagram_driver_api datagram_api = {.own = own_address};
 static const struct device light = {.name = "light", .api = &light_api};
+static const struct thermistor_driver_api thermistor_api = {0}; /* samples come as reports */
+static const struct device thermistor = {.name = "thermistor", .api = &thermistor_api};
 static const struct device datagrams = {.name = "datagrams", .api = &datagram_api};
 
-const struct devices devices = {.light = &light, .imc_datagrams = &datagrams};
+const struct devices devices = {
+	.light = &light, .thermistor = &thermistor, .imc_datagrams = &datagrams};
 
 struct inputs_status inputs_get(void)
 {
