@@ -106,7 +106,7 @@ ZTEST(firmware, test_a_flash_that_does_not_answer_is_given_up)
 	zassert_false(is_done);
 	k_sleep(K_MSEC(2));
 	zassert_true(is_done);
-	zassert_str_equal(failure, "the flash does not answer");
+	zassert_equal(strcmp(failure, "the flash does not answer"), 0);
 	zassert_true(firmware_is_busy(), "it may still come");
 
 	is_done = false;
@@ -222,7 +222,8 @@ ZTEST(firmware, test_a_spoilt_image_is_not_marked)
 
 	memcpy(spoilt, image_plain, sizeof(spoilt));
 	spoilt[50] ^= 1;
-	zassert_str_equal(update(spoilt, sizeof(spoilt)), "the image does not have its SHA-256");
+	zassert_equal(strcmp(update(spoilt, sizeof(spoilt)), "the image does not have its SHA-256"),
+	              0);
 	zassert_equal(firmware_status_get().phase, FIRMWARE_FAILED);
 	zassert_equal(bootloader_run(flash_store(), &slots), BOOTLOADER_NOTHING);
 	assert_second_slot_is_empty();

@@ -135,8 +135,6 @@ bool z_ztest_expect(bool cond, const char *what, const char *file, int line, con
 	zassert((a) >= (l) && (a) <= (u), #a " is not in " #l " to " #u, ##__VA_ARGS__)
 #define zassert_mem_equal(buf, exp, size, ...)                                                     \
 	zassert(memcmp(buf, exp, size) == 0, #buf " differs from " #exp, ##__VA_ARGS__)
-#define zassert_str_equal(s1, s2, ...)                                                             \
-	zassert(strcmp(s1, s2) == 0, #s1 " differs from " #s2, ##__VA_ARGS__)
 
 #define zassume_unreachable(...)     zassume(false, "reached", ##__VA_ARGS__)
 #define zassume_true(cond, ...)      zassume((cond) != 0, #cond " is false", ##__VA_ARGS__)
@@ -156,6 +154,7 @@ bool z_ztest_expect(bool cond, const char *what, const char *file, int line, con
 	zassume((a) >= (l) && (a) <= (u), #a " is not in " #l " to " #u, ##__VA_ARGS__)
 #define zassume_mem_equal(buf, exp, size, ...)                                                     \
 	zassume(memcmp(buf, exp, size) == 0, #buf " differs from " #exp, ##__VA_ARGS__)
+
 #define zassume_str_equal(s1, s2, ...)                                                             \
 	zassume(strcmp(s1, s2) == 0, #s1 " differs from " #s2, ##__VA_ARGS__)
 

@@ -31,16 +31,19 @@ static const char *hex_of(const char *message, size_t length, size_t piece)
 
 ZTEST(sha256, test_nothing)
 {
-	zassert_str_equal(hex_of("", 0, 1),
-	                  "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+	zassert_equal(strcmp(hex_of("", 0, 1),
+	                     "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"),
+	              0);
 }
 
 ZTEST(sha256, test_one_block)
 {
-	zassert_str_equal(hex_of("abc", 3, 3),
-	                  "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-	zassert_str_equal(hex_of("\xbd", 1, 1),
-	                  "68325720aabd7c82f30f554b313d0570c95accbb7dc4b5aae11204c08ffe732b");
+	zassert_equal(strcmp(hex_of("abc", 3, 3),
+	                     "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"),
+	              0);
+	zassert_equal(strcmp(hex_of("\xbd", 1, 1),
+	                     "68325720aabd7c82f30f554b313d0570c95accbb7dc4b5aae11204c08ffe732b"),
+	              0);
 }
 
 /* The length does not fit behind it. */
@@ -49,9 +52,10 @@ ZTEST(sha256, test_two_blocks_in_any_pieces)
 	static const char message[] = "abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq";
 
 	for (size_t piece = 1; piece < sizeof(message); piece++) {
-		zassert_str_equal(
-			hex_of(message, strlen(message), piece),
-			"248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
+		zassert_equal(
+			strcmp(hex_of(message, strlen(message), piece),
+		               "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1"),
+			0);
 	}
 }
 
@@ -61,8 +65,9 @@ ZTEST(sha256, test_longer)
 	static const char message[] = "abcdefghbcdefghicdefghijdefghijkefghijklfghijklmghijklmn"
 				      "hijklmnoijklmnopjklmnopqklmnopqrlmnopqrsmnopqrstnopqrstu";
 
-	zassert_str_equal(hex_of(message, strlen(message), 64),
-	                  "cf5b16a778af8380036ce59e7b0492370b249b11e8f07a51afac45037afee9d1");
+	zassert_equal(strcmp(hex_of(message, strlen(message), 64),
+	                     "cf5b16a778af8380036ce59e7b0492370b249b11e8f07a51afac45037afee9d1"),
+	              0);
 }
 
 ZTEST(sha256, test_a_million)
