@@ -225,6 +225,11 @@ def test_absent_and_ambiguous_sensors_are_one_line(sysfs: FakeSysfs) -> None:
     )
     assert refusal(sysfs, "hwmon:coretemp/temp2") == "hwmon sensor coretemp has no temp2_input"
     assert refusal(sysfs, "thermal:lamp") == "no thermal zone is called lamp; there is none"
+    sysfs.zone(0, "lamp", temp=25000)
+    sysfs.zone(1, "lamp", temp=26000)
+    assert refusal(sysfs, "thermal:lamp") == (
+        "2 thermal zones are called lamp; name one: lamp@thermal_zone0, lamp@thermal_zone1"
+    )
 
 
 @pytest.mark.parametrize(("called", "mdegc"), [("lm75@1-0049", 26000), ("lm75@hwmon1", 25000)])
@@ -236,6 +241,12 @@ def test_one_of_several_by_its_device(
     assert measured(begin(start, sysfs, f"hwmon:{called}/temp1")) == mdegc
 
 
+def test_one_of_several_thermal_zones_by_its_entry(start: Start, sysfs: FakeSysfs) -> None:
+    sysfs.zone(0, "lamp", temp=25000)
+    sysfs.zone(1, "lamp", temp=26000)
+    assert measured(begin(start, sysfs, "thermal:lamp@thermal_zone1")) == 26000
+
+
 @pytest.mark.parametrize(
     ("sensor", "line"),
     [
@@ -244,6 +255,10 @@ def test_one_of_several_by_its_device(
          "iio:NAME/in_voltage0"),
         ("hwmon:lm75", '"lm75" is not as hwmon:NAME/temp1'),
         ("hwmon:/temp1", '"/temp1" is not as hwmon:NAME/temp1'),
+        *(
+            (f"hwmon:ina219/{channel}", f"hwmon: {channel} is no temperature such as temp1")
+            for channel in ("in1", "fan1", "curr1", "power1", "temp", "temp1_crit", "temperature")
+        ),
         ("iio:adc/voltage0", "iio: voltage0 is neither in_voltage… nor in_temp…"),
         ("iio:adc/in_voltage0,beta=900",
          'beta: "900" is not a whole number from 1000 to 10000'),

@@ -102,8 +102,10 @@ bool sysfs_has(const char *folder, const char *attribute)
 /* --- devices ------------------------------------------------------------------------------------
  */
 
-/* The name of the device behind an entry: its link `device`, or the folder that it lies in. */
-static void name_device(const char *path, char name[SYSFS_NAME_SIZE])
+/* The name of the device behind an entry: its link `device`, or the folder that it lies in, unless
+ * that is one of entries only. Empty: there is none. */
+static void name_device(const struct sysfs_class *class, const char *path,
+                        char name[SYSFS_NAME_SIZE])
 {
 	char link[SYSFS_PATH_SIZE + 16];
 	char real[PATH_MAX];
@@ -116,6 +118,9 @@ static void name_device(const char *path, char name[SYSFS_NAME_SIZE])
 			return;
 		}
 		*strrchr(real, '/') = '\0';
+		if (strcmp(basename(real), basename(class->folder)) == 0) {
+			real[0] = '\0';
+		}
 	}
 	(void)snprintf(name, SYSFS_NAME_SIZE, "%s", basename(real));
 }
@@ -169,7 +174,7 @@ static bool look_at(struct search *search, const char *path, const char *entry)
 	char device[SYSFS_NAME_SIZE];
 	const char *name = device;
 
-	name_device(path, device);
+	name_device(search->class, path, device);
 	if (search->class->name != NULL) {
 		if (sysfs_read(path, search->class->name, line) != 0) {
 			return false;
@@ -244,11 +249,14 @@ int sysfs_find(const struct sysfs_class *class, const char *called, char path[SY
 
 static int parse_sysfs(const char *value, struct host_error *error)
 {
+	char real[PATH_MAX];
+
 	if (value[0] != '/' || strlen(value) >= SYSFS_PATH_SIZE / 2) {
 		return host_error_set(error, "\"%.60s\" is no absolute path shorter than %d", value,
 		                      SYSFS_PATH_SIZE / 2);
 	}
-	root = value;
+	/* by whatever name */
+	root = realpath(value, real) != NULL && strcmp(real, "/sys") == 0 ? "/sys" : value;
 	return 0;
 }
 

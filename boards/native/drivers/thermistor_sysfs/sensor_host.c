@@ -83,6 +83,21 @@ static int parse_channel(struct sensor *sensor, char *text, const char *example,
 	return 0;
 }
 
+/* Other inputs of such a chip are volts, amperes, turns of a fan. */
+static int parse_hwmon(struct sensor *sensor, char *text, struct host_error *error)
+{
+	const char *channel = sensor->channel;
+
+	if (parse_channel(sensor, text, "hwmon:NAME/temp1", error) != 0) {
+		return -1;
+	}
+	if (!starts(channel, "temp") || channel[4] == '\0' ||
+	    channel[4 + strspn(channel + 4, "0123456789")] != '\0') {
+		return host_error_set(error, "hwmon: %s is no temperature such as temp1", channel);
+	}
+	return 0;
+}
+
 static int parse_iio(struct sensor *sensor, char *text, struct host_error *error)
 {
 	char *rest = text;
@@ -120,7 +135,7 @@ int sensor_parse(struct sensor *sensor, const char *text, struct host_error *err
 	strcpy(copy, text);
 	if (starts(copy, "hwmon:")) {
 		sensor->class = &hwmon;
-		return parse_channel(sensor, copy + 6, "hwmon:NAME/temp1", error);
+		return parse_hwmon(sensor, copy + 6, error);
 	}
 	if (starts(copy, "iio:")) {
 		sensor->class = &iio;
