@@ -60,6 +60,20 @@ def test_lamp_line_follows_the_light(start: Start, chip: GpioSim) -> None:
     until("both low", lambda: (chip.value("LAMP"), chip.value("CAMERA")) == (0, 0))
 
 
+def test_control_socket_drives_no_real_lamp(binary: Path, chip: GpioSim, tmp_path: Path) -> None:
+    """Its driver has not started, for want of a sensor: the line is nobody's."""
+    lamp = ("--gpio", f"gpiochip:{chip.device},enable=LAMP")
+    light = Light(binary, tmp_path, *lamp, sampled=False)
+    try:
+        for _ in range(2):
+            light.do("gpio", line="lamp_enable", value=1)
+            assert light.line("lamp_enable") == 1
+            assert (chip.value("LAMP"), light.do("gpiochip")["lines"]["enable"]) == (0, 0)
+            light.do("reset")
+    finally:
+        light.close()
+
+
 def test_lines_belong_to_the_light_while_it_runs(start: Start, chip: GpioSim) -> None:
     light = start(*options(chip, "enable=LAMP,sync=SYNC"))
     with gpiod.Chip(chip.device) as opened:
@@ -292,6 +306,7 @@ def test_guard_ends_with_the_light_and_holds_no_pipe(start: Start, chip: GpioSim
     light = start(*options(chip, "enable=LAMP"))
     guard = until("a guard", light.guard)
     open_files = [os.readlink(fd) for fd in Path(f"/proc/{guard}/fd").iterdir()]
+    open_files.remove("anon_inode:[signalfd]")
     assert sorted(name.split("[")[0].split(":")[0] for name in open_files) == [
         "anon_inode",
         "pipe",

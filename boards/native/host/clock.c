@@ -294,5 +294,6 @@ HOST_MODULE(clock_module) = {
 	.name = "time",
 	.order = HOST_ORDER_BASE,
 	.options = options,
+	.drives = true,
 	.start = start,
 };

@@ -4,14 +4,17 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
+#include <sys/signalfd.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "host/clock.h"
+#include "host/hardware.h"
 #include "host/loop.h"
 #include "host/module.h"
 #include "host/say.h"
@@ -64,25 +67,55 @@ static void close_others(int in, int out)
 	closedir(folder);
 }
 
-static _Noreturn void watch(int in, int out)
+/* Each in a process of its own: a bus that hangs holds up no other output. Without processes, in
+ * the order in which they were added. */
+static _Noreturn void make_all_safe(void)
 {
-	sigset_t all;
-	char byte;
-
-	/* what ends the other process, such as Ctrl-C, is not to end this one first */
-	sigfillset(&all);
-	sigprocmask(SIG_BLOCK, &all, NULL);
-	setsid();
-	close_others(in, out);
-	prctl(PR_SET_NAME, "pharos-guard"); /* also says that it is ready */
-	while (read(in, &byte, 1) != 0) {
-	}
 	for (const struct guard_output *output = outputs; output != NULL; output = output->next) {
-		if (output->is_open) {
+		pid_t child;
+
+		if (!output->is_open) {
+			continue;
+		}
+		child = fork();
+		if (child <= 0) {
 			output->make_safe();
+		}
+		if (child == 0) {
+			_exit(0);
 		}
 	}
 	_exit(0);
+}
+
+/* The pipe closes with the last thread of the other process, and one in a transfer of the kernel's
+ * may outlive a kill for long. So the end of its main thread, which forks this one, counts too. */
+static _Noreturn void watch(int in, int out, pid_t parent)
+{
+	struct signalfd_siginfo died = {0};
+	struct pollfd waits[2] = {{.fd = in, .events = POLLIN}, {.events = POLLIN}};
+	sigset_t signals;
+	char byte;
+
+	/* what ends the other process, such as Ctrl-C, is not to end this one first */
+	sigfillset(&signals);
+	sigprocmask(SIG_BLOCK, &signals, NULL);
+	setsid();
+	close_others(in, out);
+	sigemptyset(&signals);
+	sigaddset(&signals, SIGUSR1);
+	waits[1].fd = signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK);
+	prctl(PR_SET_PDEATHSIG, SIGUSR1);
+	if (getppid() != parent) {
+		make_all_safe();
+	}
+	prctl(PR_SET_NAME, "pharos-guard"); /* also says that it is ready */
+	do {
+		(void)poll(waits, 2, -1);
+		(void)read(waits[1].fd, &died, sizeof(died));
+	} while (died.ssi_pid != (uint32_t)parent &&
+	         (waits[0].revents == 0 || read(in, &byte, 1) != 0));
+	make_all_safe();
 }
 
 /* --- this process -------------------------------------------------------------------------------
@@ -100,14 +133,31 @@ static bool is_wanted(void)
 	return false;
 }
 
+/* Ends a guard that is not to act, or that has been ended. */
+static void forget(void)
+{
+	if (guard == 0) {
+		return;
+	}
+	loop_remove(&ends);
+	close(ends.fd);
+	(void)kill(guard, SIGKILL);
+	while (waitpid(guard, NULL, 0) < 0 && errno == EINTR) {
+	}
+	close(alive);
+	guard = 0;
+}
+
 static void close_both(const int ends_of_pipe[2])
 {
 	close(ends_of_pipe[0]);
 	close(ends_of_pipe[1]);
 }
 
+/* Of the main thread: the guard acts at the end of the thread that has forked it. */
 static int start_guard(void)
 {
+	const pid_t parent = getpid();
 	int to_guard[2];
 	int from_guard[2];
 	pid_t child;
@@ -132,10 +182,12 @@ static int start_guard(void)
 	if (child == 0) {
 		close(to_guard[1]);
 		close(from_guard[0]);
-		watch(to_guard[0], from_guard[1]);
+		watch(to_guard[0], from_guard[1], parent);
 	}
 	close(to_guard[0]);
 	close(from_guard[1]);
+	/* only now: at no instant is there none */
+	forget();
 	guard = child;
 	alive = to_guard[1];
 	ends.fd = from_guard[0];
@@ -144,54 +196,35 @@ static int start_guard(void)
 	return 0;
 }
 
-/* Ends a guard that is not to act, or that has been ended. */
-static void forget(pid_t pid, int its_alive)
-{
-	if (pid == 0) {
-		return;
-	}
-	(void)kill(pid, SIGKILL);
-	while (waitpid(pid, NULL, 0) < 0 && errno == EINTR) {
-	}
-	close(its_alive);
-}
-
 void guard_add(struct guard_output *output)
 {
-	output->next = outputs;
-	outputs = output;
+	struct guard_output **end = &outputs;
+
+	while (*end != NULL) {
+		end = &(*end)->next;
+	}
+	output->next = NULL;
+	*end = output;
 }
 
 int guard_renew(void)
 {
-	const pid_t old = guard;
-	const int its_alive = alive;
 	int rc = 0;
 
-	if (clock_is_virtual()) {
+	if (clock_is_virtual() || hardware_is_only_off()) {
 		return 0;
 	}
-	if (old != 0) {
-		loop_remove(&ends);
-		close(ends.fd);
-		guard = 0;
-	}
-	/* the new one first: at no instant is there none */
+	loop_timer_stop(&retry);
 	if (is_wanted()) {
 		rc = start_guard();
+	} else {
+		forget();
 	}
-	forget(old, its_alive);
-	return rc;
-}
-
-static void renew_or_retry(void)
-{
-	const int rc = guard_renew();
-
 	if (rc != 0) {
-		host_say("no process to guard the lamp: %s; trying again", strerror(-rc));
+		host_say("no new process to guard the outputs: %s; trying again", strerror(-rc));
 		loop_timer_start(&retry, RETRY_MS);
 	}
+	return rc;
 }
 
 /* Somebody has ended it. */
@@ -199,24 +232,20 @@ static void on_end(struct loop_source *source, uint32_t events)
 {
 	(void)source;
 	(void)events;
-	renew_or_retry();
+	forget();
+	(void)guard_renew();
 }
 
 static void on_retry(struct loop_timer *timer)
 {
 	(void)timer;
-	renew_or_retry();
+	(void)guard_renew();
 }
 
 void guard_stop(void)
 {
 	loop_timer_stop(&retry);
-	if (guard != 0) {
-		loop_remove(&ends);
-		close(ends.fd);
-		forget(guard, alive);
-		guard = 0;
-	}
+	forget();
 }
 
 static int start(void)

@@ -3,8 +3,8 @@
  * What turns the lamp off when this process cannot any more. The kernel takes lines of a dead
  * process back, but most chips then keep their last level; a PWM output goes on by itself. So a
  * second process, pharos-guard, shares the outputs, does nothing but wait for the end of this one
- * (SIGKILL and crashes included), makes them safe, and ends. If it is ended itself, another takes
- * its place at once. None in virtual time.
+ * (SIGKILL and crashes included), makes them safe, each in a process of its own, and ends. If it is
+ * ended itself, another takes its place at once. None in virtual time, and none with --off.
  *
  *   static struct guard_output lines = {.make_safe = make_safe, .keeps = keeps};
  *   guard_add(&lines);                                   once, in a start hook
@@ -27,7 +27,11 @@ struct guard_output {
 
 void guard_add(struct guard_output *output);
 
-/* Another guard, for what is open now, in place of the one that there is. 0 or -errno. */
+/*
+ * Another guard, for what is open now, in place of the one that there is. Main thread only. 0; or
+ * -errno: there is no process to be had. Then the guard before goes on, which is said, and another
+ * is tried for again and again.
+ */
 int guard_renew(void);
 
 /* Nobody but this process has the outputs then. They are left as they are. */

@@ -357,6 +357,7 @@ static void stop(void)
 HOST_MODULE(loop_module) = {
 	.name = "loop",
 	.order = HOST_ORDER_BASE - 1,
+	.drives = true,
 	.start = start,
 	.stop = stop,
 };

@@ -15,6 +15,7 @@ extern const struct host_module *const __stop_host_module_table[];
 static const struct host_module *sorted[MODULES_MAX];
 static size_t sorted_count;
 static size_t started;
+static bool is_only_outputs;
 
 static int compare(const void *a, const void *b)
 {
@@ -48,26 +49,31 @@ void host_only_outputs(void)
 	size_t kept = 0;
 
 	for (size_t i = 0; i < sorted_count; i++) {
-		if (sorted[i]->order <= HOST_ORDER_BASE || sorted[i]->drives) {
+		if (sorted[i]->drives) {
 			sorted[kept++] = sorted[i];
 		}
 	}
 	sorted_count = kept;
+	is_only_outputs = true;
 }
 
 int host_start(void)
 {
 	size_t count;
 	const struct host_module *const *modules = host_modules(&count);
+	int first = 0;
 
 	for (started = 0; started < count; started++) {
 		const int status = modules[started]->start != NULL ? modules[started]->start() : 0;
 
-		if (status != 0) {
-			return status > 0 ? status : 1;
+		if (status != 0 && first == 0) {
+			first = status > 0 ? status : 1;
+		}
+		if (first != 0 && !is_only_outputs) {
+			break;
 		}
 	}
-	return 0;
+	return first;
 }
 
 void host_up(void)

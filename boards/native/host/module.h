@@ -29,7 +29,8 @@ enum host_order {
 struct host_module {
 	const char *name; /* heading in --help */
 	int order;
-	bool drives; /* real outputs: opening them makes them safe; also for --off */
+	/* Opening its real outputs makes them safe, or these need it: --off has only such ones. */
+	bool drives;
 	const struct host_option *options;  /* NULL or ended by {0} */
 	const struct control_op *ops;       /* NULL or ended by {0}; host/control.h */
 	const struct control_fault *faults; /* NULL or ended by {0}; host/control.h */
@@ -56,11 +57,12 @@ struct host_module {
 /* All modules in order; *count of them. */
 const struct host_module *const *host_modules(size_t *count);
 
-/* From now on there are only the base and the modules that drive real outputs. */
+/* From now on there are only the modules that drive real outputs, and one that fails to start stops
+ * no other. */
 void host_only_outputs(void);
 
-/* Calls the hook of every module: start and up in order (the first failure to start ends it), the
- * others in reverse. host_start: 0, else the exit status. */
+/* Calls the hook of every module: start and up in order (the first failure to start ends it, unless
+ * there are only outputs), the others in reverse. host_start: 0, else the first exit status. */
 int host_start(void);
 void host_up(void);
 void host_off(void);

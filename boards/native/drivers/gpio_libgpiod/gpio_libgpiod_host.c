@@ -20,6 +20,7 @@
 #include "host/loop.h"
 #include "host/module.h"
 #include "host/say.h"
+#include "host/sysfs.h"
 #include "models/board.h"
 
 enum {
@@ -135,7 +136,8 @@ static bool output_level(enum role role)
 	if (roles[role].line == NO_LINE) {
 		return board.lamp.level_ppm > 0;
 	}
-	return (board_lines_read() & (1u << roles[role].line)) != 0;
+	/* what the firmware drives; what the control socket does is the model's */
+	return (board.lines.output & board.lines.output_level & (1u << roles[role].line)) != 0;
 }
 
 static int request_line(struct gpiochip *from, enum role role, struct host_error *error)
@@ -207,6 +209,25 @@ static int start_guard(struct host_error *error)
 	               : host_error_set(error, "no process to guard the lamp: %s", strerror(-rc));
 }
 
+/* Requesting an output makes it safe, so --off goes on after one that fails; inputs are not its. */
+static int request_lines(struct gpiochip *from, struct host_error *error)
+{
+	int rc = 0;
+
+	for (int role = 0; role < ROLE_COUNT; role++) {
+		if (wanted[role][0] == '\0' || (hardware_is_only_off() && !roles[role].output)) {
+			continue;
+		}
+		if (request_line(from, (enum role)role, error) != 0) {
+			rc = -1;
+		}
+		if (rc != 0 && !hardware_is_only_off()) {
+			break;
+		}
+	}
+	return rc;
+}
+
 /* All lines or none. */
 static int open_chip(struct host_error *error)
 {
@@ -216,13 +237,7 @@ static int open_chip(struct host_error *error)
 		return errno == ENOTSUP ? host_error_set(error, "%s: %s", path, gpiochip_backend())
 		                        : host_error_set(error, "%s: %s", path, strerror(errno));
 	}
-	for (int role = 0; role < ROLE_COUNT; role++) {
-		if (wanted[role][0] != '\0' && request_line(opened, (enum role)role, error) != 0) {
-			close_all(opened);
-			return -1;
-		}
-	}
-	if (start_guard(error) != 0) {
+	if (request_lines(opened, error) != 0 || start_guard(error) != 0) {
 		close_all(opened);
 		return -1;
 	}
@@ -461,6 +476,11 @@ static int start(void)
 		return EXIT_OPTION;
 	}
 	if (wanted[ROLE_ENABLE][0] != '\0' || wanted[ROLE_STROBE][0] != '\0') {
+		if (!sysfs_is_real() && !hardware_is_only_off()) {
+			fprintf(stderr, "pharos: --gpio: a real lamp does not go with --sysfs: its "
+			                "files are no sensor\n");
+			return EXIT_OPTION;
+		}
 		hardware_lamp("--gpio");
 	}
 	guarded.make_safe = make_safe;
