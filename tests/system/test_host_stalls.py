@@ -291,39 +291,213 @@ def _press(light: RealLight, lit: bool) -> None:
     light.run_for(100_000)  # longer than a level must last to count
 
 
-def test_a_pwm_whose_bus_hangs_stops_nothing_and_is_a_fault_of_the_lamp(
-    real: Start, tmp_path: Path
-) -> None:
-    sysfs = FakeSysfs(tmp_path / "sys")
-    (lamp,) = sysfs.pwmchip(0, channels=1)
-    sysfs.hwmon(0, "lm75", temp1_input=25000)
-    hangs = tmp_path / "hangs"
-    env = {
-        **os.environ,
-        "LD_PRELOAD": str(BINARY.parent / "tests/native/libslow_bus.so"),
-        "SLOW_BUS": str(hangs),
-        "ASAN_OPTIONS": "verify_asan_link_order=0",
-    }
-    words = ("--light", "pwm:0/0", "--thermistor", "hwmon:lm75/temp1")
-    light = real("--sysfs", str(sysfs.root), *words, env=env)
+class Bus:
+    """A PWM chip and a temperature sensor, of plain files, on a bus that can hang."""
 
-    def pwm() -> dict[str, Any]:
-        return dict(light.control.request("pwm")["outputs"]["light"])
+    def __init__(self, folder: Path, start: Start) -> None:
+        self._folder = folder
+        self._start = start
+        self.sysfs = FakeSysfs(folder / "sys")
+        self.lamp, self.other = self.sysfs.pwmchip(0, channels=2)
+        self.sysfs.hwmon(0, "lm75", temp1_input=25000)
+        self.hangs, self.fails, self.no_fork, self._log = (
+            folder / name for name in ("hangs", "fails", "no_fork", "bus_log")
+        )
 
+    def light(self, *options: str, **how: Any) -> RealLight:
+        env = {
+            **os.environ,
+            "LD_PRELOAD": str(BINARY.parent / "tests/native/libslow_bus.so"),
+            "SLOW_BUS": str(self.hangs),
+            "SLOW_BUS_FAILS": str(self.fails),
+            "SLOW_BUS_LOG": str(self._log),
+            "NO_FORK": str(self.no_fork),
+            "ASAN_OPTIONS": "verify_asan_link_order=0",
+        }
+        words = ("--light", "pwm:0/0", "--thermistor", "hwmon:lm75/temp1")
+        return self._start("--sysfs", str(self.sysfs.root), *words, *options, env=env, **how)
+
+    def duty(self) -> str:
+        return FakeSysfs.get(self.lamp, "duty_cycle")
+
+    def writes(self, attribute: str = "duty_cycle") -> list[tuple[int, int]]:
+        """When, in us, and what; -1: it failed."""
+        words = [line.split() for line in self._log.read_text().splitlines()]
+        return [(int(at_us), int(value)) for at_us, name, value in words if name == attribute]
+
+
+@pytest.fixture
+def bus(real: Start, tmp_path: Path) -> Bus:
+    return Bus(tmp_path, real)
+
+
+def _pwm(light: RealLight, name: str = "light") -> dict[str, Any]:
+    return dict(light.control.request("pwm")["outputs"][name])
+
+
+def _guards(light: RealLight) -> list[int]:
+    """The process ids of those that run."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):  # it has ended meanwhile
+            pid, name, state, parent, *_ = stat.read_text().split()
+            if (name, int(parent)) == ("(pharos-guard)", light.process.pid) and state != "Z":
+                found.append(int(pid))
+    return found
+
+
+# The output that is away is looked for after this time; what is to be at once is sooner.
+LOOKED_FOR_S = 0.9
+
+
+def test_a_pwm_whose_bus_hangs_stops_nothing_and_is_a_fault_of_the_lamp(bus: Bus) -> None:
+    light = bus.light()
     _press(light, lit=True)
-    light.until("a duty", lambda: FakeSysfs.get(lamp, "duty_cycle") == "500000")
-    hangs.touch()
+    light.until("a duty", lambda: bus.duty() == "500000")
+    bus.hangs.touch()
     _press(light, lit=False)
-    assert FakeSysfs.get(lamp, "duty_cycle") == "500000"
-    light.until("a fault", lambda: not pwm()["present"])
+    assert bus.duty() == "500000"
+    light.until("a fault", lambda: not _pwm(light)["present"])
     assert light.said("light: 0/0 is lost: Connection timed out")
     light.run_for(2_500_000)  # longer than every limit of supervision
     assert light.outputs()["resets"] == 0
     assert light.outputs()["measured_mdegc"] == 25000
-    hangs.unlink()
-    light.until("the dark that was wanted", lambda: FakeSysfs.get(lamp, "duty_cycle") == "0")
-    light.until("all well", lambda: pwm()["present"])
+    bus.hangs.unlink()
+    light.until("the dark that was wanted", lambda: bus.duty() == "0")
+    light.until("all well", lambda: _pwm(light)["present"])
     light.run_for(300_000)  # the limit, which comes ten times a second, finds that out
     _press(light, lit=True)
-    light.until("a duty", lambda: FakeSysfs.get(lamp, "duty_cycle") == "500000")
-    assert pwm()["losses"] == 1
+    light.until("a duty", lambda: bus.duty() == "500000")
+    assert _pwm(light)["losses"] == 1
+
+
+@pytest.mark.parametrize(
+    ("before", "switched"), [("normal", [1, 1, 0]), ("inversed", [0, 1, 1, 0])]
+)
+def test_an_output_that_runs_is_only_switched_off_for_its_polarity(
+    bus: Bus, before: str, switched: list[int]
+) -> None:
+    """Nobody promises the level of one that is off."""
+    for name, value in ("period", 500_000), ("duty_cycle", 0), ("enable", 1), ("polarity", before):
+        bus.sysfs.set(bus.lamp, name, value)
+    light = bus.light()
+    light.control.request("reset")
+    light.until("a reset", lambda: light.outputs()["resets"] == 1)
+    assert light.control.request("quit")["ok"]
+    assert light.process.wait(PATIENCE_S) == 0
+    assert [value for _, value in bus.writes("enable")] == switched
+
+
+def test_light_that_is_written_after_the_lamp_was_given_up_goes_out_at_once(bus: Bus) -> None:
+    light = bus.light()
+    bus.hangs.touch()
+    _press(light, lit=True)
+    light.until("a fault", lambda: not _pwm(light)["present"])
+    bus.hangs.unlink()
+    light.until("all well", lambda: _pwm(light)["present"])
+    writes = bus.writes()
+    lit = next(i for i, (_, duty_ns) in enumerate(writes) if duty_ns > 0)
+    assert writes[lit + 1][1] == 0
+    assert writes[lit + 1][0] - writes[lit][0] < LOOKED_FOR_S * 1e6
+
+
+def test_dark_that_fails_to_be_written_is_written_again_at_once(bus: Bus) -> None:
+    light = bus.light()
+    _press(light, lit=True)
+    light.until("a duty", lambda: bus.duty() == "500000")
+    bus.fails.touch()
+    _press(light, lit=False)
+    light.until("dark", lambda: bus.duty() == "0")
+    assert light.said("light: 0/0 is lost: Remote I/O error")
+    writes = bus.writes()
+    failed = next(i for i, (_, duty_ns) in enumerate(writes) if duty_ns < 0)
+    assert writes[failed + 1][1] == 0
+    assert writes[failed + 1][0] - writes[failed][0] < LOOKED_FOR_S * 1e6
+
+
+def test_an_output_gives_what_it_was_told_to_while_it_was_away(bus: Bus) -> None:
+    console = {"stdin": subprocess.PIPE, "stdout": subprocess.DEVNULL}
+    light = bus.light("--console", "stdio", "--servo-pan", "pwm:0/1", **console)
+
+    def turn(degrees: int) -> str:
+        """The pulse that the servo is told then."""
+        assert light.process.stdin is not None
+        light.process.stdin.write(f"gimbal pan {degrees}\n".encode())
+        light.process.stdin.flush()
+        light.run_for(3_000_000)  # from end to end
+        return str(light.outputs()["servos"]["pan"]["pulse_ns"])
+
+    first = turn(45)
+    light.until("turned", lambda: FakeSysfs.get(bus.other, "duty_cycle") == first)
+    bus.hangs.touch()
+    light.until("a fault", lambda: (turn(30), not _pwm(light, "servo-pan")["present"])[1])
+    second = turn(-45)
+    assert int(second) < 1_500_000 < int(first)  # of the middle
+    before = len(bus.writes())
+    bus.hangs.unlink()
+    light.until("all well", lambda: _pwm(light, "servo-pan")["present"])
+    light.until("turned", lambda: FakeSysfs.get(bus.other, "duty_cycle") == second)
+    pulses = [duty_ns for _, duty_ns in bus.writes()[before:] if duty_ns > 0]
+    assert len(pulses) == 2, "the one that hung, and what was wanted last"
+    assert pulses[1] == int(second)
+
+
+def test_a_servo_that_is_away_at_a_reset_is_taken_when_it_comes(bus: Bus, tmp_path: Path) -> None:
+    bus.sysfs.pwmchip(1)
+    light = bus.light("--servo-pan", "pwm:1/0")
+    chip = bus.sysfs.root / "class/pwm/pwmchip1"
+    chip.rename(tmp_path / "unplugged")
+    light.control.request("reset")
+    light.until("a reset", lambda: light.outputs()["resets"] == 1)
+    assert not _pwm(light, "servo-pan")["present"]
+    (tmp_path / "unplugged").rename(chip)
+    light.until("another", lambda: light.outputs()["resets"] == 2)
+    assert _pwm(light, "servo-pan")["present"]
+    light.until("its pulse", lambda: FakeSysfs.get(chip / "pwm0", "duty_cycle") == "1500000")
+
+
+# --- the guard ------------------------------------------------------------------------------------
+
+
+def test_the_guard_acts_though_a_thread_of_the_dead_process_lasts(bus: Bus) -> None:
+    """As one that is in a transfer of the kernel's: its descriptors stay open."""
+    light = bus.light()
+    _press(light, lit=True)
+    light.until("a duty", lambda: bus.duty() == "500000")
+    light.until("a guard", lambda: len(_guards(light)) == 1)
+    held = []
+    for fd in Path(f"/proc/{light.process.pid}/fd").iterdir():
+        if os.readlink(fd).startswith("pipe:"):
+            held.append(os.open(fd, os.O_WRONLY | os.O_NONBLOCK))
+    assert held
+    light.process.kill()
+    light.process.wait()
+    light.until("dark", lambda: bus.duty() == "0")
+    for writer in held:
+        os.close(writer)
+
+
+def test_the_guard_does_not_act_at_a_signal_of_others(bus: Bus) -> None:
+    light = bus.light()
+    _press(light, lit=True)
+    light.until("a duty", lambda: bus.duty() == "500000")
+    light.until("a guard", lambda: len(_guards(light)) == 1)
+    (guard,) = _guards(light)
+    for number in (signal.SIGUSR1, signal.SIGTERM, signal.SIGINT):
+        os.kill(guard, number)
+    light.run_for(500_000)
+    assert (_guards(light), bus.duty()) == ([guard], "500000")
+
+
+def test_the_guard_before_goes_on_where_there_are_no_more_processes(bus: Bus) -> None:
+    light = bus.light()
+    light.until("a guard", lambda: len(_guards(light)) == 1)
+    (guard,) = _guards(light)
+    bus.no_fork.touch()
+    bus.fails.touch()
+    _press(light, lit=True)  # fails, and is opened anew: for that there is a new guard
+    light.until("a line", lambda: bool(light.said("no new process to guard the outputs")))
+    assert light.said("no new process to guard the outputs: Resource temporarily unavailable")
+    assert _guards(light) == [guard]
+    bus.no_fork.unlink()
+    light.until("a new one", lambda: len(_guards(light)) == 1 and _guards(light) != [guard])

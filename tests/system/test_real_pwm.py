@@ -108,6 +108,18 @@ def test_inverted_is_the_chips_polarity(
     assert duty(channels[0]) == 0
 
 
+def test_inverted_output_stays_on_without_a_pulse_at_the_end(
+    sysfs: FakeSysfs, channels: list[Path]
+) -> None:
+    """Off, it is low on many a chip: fully lit."""
+    options = ("--light", "pwm:0/0,inverted", *SENSOR)
+    assert run(sysfs, *options, "--time", "virtual", "--until", "1s").returncode == 0
+    assert (duty(channels[0]), FakeSysfs.get(channels[0], "enable")) == (0, "1")
+    sysfs.set(channels[0], "duty_cycle", 250_000)
+    assert run(sysfs, *options, "--off").returncode == 0
+    assert (duty(channels[0]), FakeSysfs.get(channels[0], "enable")) == (0, "1")
+
+
 def test_each_strobe_edge_is_a_change_of_the_duty(
     start: Start, sysfs: FakeSysfs, channels: list[Path]
 ) -> None:
@@ -161,6 +173,48 @@ def test_output_is_switched_off_at_the_end(sysfs: FakeSysfs, channels: list[Path
         assert FakeSysfs.get(channel, "period") == period
         assert (duty(channel), FakeSysfs.get(channel, "enable")) == (0, "0")
     assert FakeSysfs.get(channels[2], "period") == "0", "not ours"
+
+
+# --- --off ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("bad", "line"),
+    [
+        (("--gpio", "gpiochip:/dev/no-chip,enable=0"),
+         "--gpio: /dev/no-chip: No such file or directory"),
+        (("--servo-pan", "pwm:9/0"), "--servo-pan: no PWM chip is called 9; there are: 0-0040"),
+    ],
+)  # fmt: skip
+def test_off_goes_on_after_an_output_that_fails(
+    sysfs: FakeSysfs, channels: list[Path], bad: tuple[str, str], line: str
+) -> None:
+    for channel in channels[:2]:
+        sysfs.set(channel, "duty_cycle", 100_000)
+        sysfs.set(channel, "enable", 1)
+    done = run(sysfs, *bad, "--light", "pwm:0/0", "--aux0", "pwm:0/1", "--off")
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", f"pharos: {line}\n")
+    for channel in channels[:2]:
+        assert (duty(channel), FakeSysfs.get(channel, "enable")) == (0, "0")
+
+
+def test_off_goes_on_after_a_lamp_that_fails(sysfs: FakeSysfs, channels: list[Path]) -> None:
+    sysfs.set(channels[1], "duty_cycle", 100_000)
+    done = run(sysfs, "--light", "pwm:9/0", "--aux0", "pwm:0/1", "--off")
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert duty(channels[1]) == 0
+
+
+def test_off_leaves_a_trace_as_it_is(
+    sysfs: FakeSysfs, channels: list[Path], tmp_path: Path
+) -> None:
+    sysfs.set(channels[0], "duty_cycle", 100_000)
+    trace = tmp_path / "trace"
+    trace.write_text("of the light that was killed\n")
+    done = run(sysfs, "--light", "pwm:0/0", "--trace", str(trace), "--off")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert duty(channels[0]) == 0
+    assert trace.read_text() == "of the light that was killed\n"
 
 
 # --- a chip that goes ---------------------------------------------------------------------------
@@ -309,9 +363,30 @@ def test_wrong_words_are_one_line(sysfs: FakeSysfs, value: str, line: str) -> No
     assert refusal(sysfs, "--light", value) == f"--light: {line}"
 
 
-def test_real_output_needs_real_time() -> None:
+@pytest.mark.parametrize("use", ["servo-pan", "aux0", "thruster"])
+def test_period_is_longer_than_a_pulse(sysfs: FakeSysfs, channels: list[Path], use: str) -> None:
+    assert refusal(sysfs, f"--{use}", "pwm:0/1,period=2999us") == (
+        f"--{use}: period: 2999us is not from 3ms, for pulses, to 100ms"
+    )
+    for good in (f"--{use}", "pwm:0/1,period=3ms"), ("--led-status", "pwm:0/1,period=2999us"):
+        assert run(sysfs, *good, "--time", "virtual", "--until", "1s").returncode == 0
+    assert FakeSysfs.get(channels[1], "period") == "2999000"
+
+
+def test_real_lamp_on_a_line_takes_no_sensor_of_plain_files(sysfs: FakeSysfs) -> None:
+    lamp = ("--gpio", "gpiochip:/dev/no-chip,enable=0", *SENSOR)
+    done = run(sysfs, *lamp)
+    assert (done.returncode, done.stderr) == (
+        2, "pharos: --gpio: a real lamp does not go with --sysfs: its files are no sensor\n"
+    )  # fmt: skip
+    done = run(sysfs, "--gpio", "gpiochip:/dev/no-chip,sync=0", *SENSOR)
+    assert done.stderr == "pharos: --gpio: /dev/no-chip: No such file or directory\n"
+
+
+@pytest.mark.parametrize("root", ["/sys", "/sys/", "/sys/class/.."])
+def test_real_output_needs_real_time(root: str) -> None:
     done = subprocess.run(
-        [BINARY, "--time", "virtual", "--console", "none", "--light", "pwm:0/0"],
+        [BINARY, "--time", "virtual", "--console", "none", "--sysfs", root, "--light", "pwm:0/0"],
         capture_output=True, text=True, timeout=60,
     )  # fmt: skip
     assert done.returncode == 2

@@ -30,7 +30,7 @@ static int pwm_native_set_cycles(const struct device *dev, uint32_t channel, uin
 	if (fault != 0) {
 		return fault;
 	}
-	if (is_away(channel)) {
+	if (is_away(channel) && channel == BOARD_PWM_LAMP) {
 		return -ENODEV;
 	}
 	if ((flags & ~PWM_POLARITY_INVERTED) != 0) {
@@ -42,9 +42,11 @@ static int pwm_native_set_cycles(const struct device *dev, uint32_t channel, uin
 	if ((flags & PWM_POLARITY_INVERTED) != 0) {
 		pulse = period - pulse;
 	}
-	return board_pwm_set((int64_t)clock_board_us(), channel, period, pulse, config->hz) == 0
-	               ? 0
-	               : -EINVAL;
+	if (board_pwm_set((int64_t)clock_board_us(), channel, period, pulse, config->hz) != 0) {
+		return -EINVAL;
+	}
+	/* what it is to be is kept for when it is back */
+	return is_away(channel) ? -ENODEV : 0;
 }
 
 static int pwm_native_get_cycles_per_sec(const struct device *dev, uint32_t channel,
@@ -56,7 +58,8 @@ static int pwm_native_get_cycles_per_sec(const struct device *dev, uint32_t chan
 		return -EINVAL;
 	}
 	*cycles = config->hz;
-	return is_away(channel) ? -ENODEV : 0;
+	/* the others' pulses are to be told, to be kept */
+	return is_away(channel) && channel == BOARD_PWM_LAMP ? -ENODEV : 0;
 }
 
 static int pwm_native_init(const struct device *dev)

@@ -54,6 +54,8 @@ int pwm_channel_find(struct pwm_channel *self, const struct pwm_place *place,
 {
 	double count;
 
+	/* while it is nowhere, its number may be another chip's */
+	self->path[0] = '\0';
 	if (sysfs_find(&chips, place->chip, self->chip, error) != 0) {
 		return -1;
 	}
@@ -63,6 +65,7 @@ int pwm_channel_find(struct pwm_channel *self, const struct pwm_place *place,
 	self->channel = place->channel;
 	if ((size_t)snprintf(self->path, sizeof(self->path), "%s/pwm%u", self->chip,
 	                     place->channel) >= sizeof(self->path)) {
+		self->path[0] = '\0';
 		return host_error_set(error, "%s: too long a path", self->chip);
 	}
 	return 0;
@@ -120,14 +123,31 @@ static int export(struct pwm_channel *self, struct host_error *error)
 	return 0;
 }
 
-/* The polarity can only be set while it is off, the period only if it is not below the pulse. */
+/* Without a polarity, a chip has the normal one. */
+static int set_polarity(struct pwm_channel *self, const char *polarity)
+{
+	char line[SYSFS_LINE_SIZE];
+	int rc = sysfs_read(self->path, "polarity", line);
+
+	if (rc == -ENOENT && strcmp(polarity, "normal") == 0) {
+		return 0;
+	}
+	if (rc == 0 && strcmp(line, polarity) != 0) {
+		/* it can only be set while the output is off */
+		(void)write_number(self->enable_fd, 0);
+		rc = sysfs_write(self->path, "polarity", polarity);
+	}
+	return rc;
+}
+
+/* The pulse first: the period cannot be below it, and nobody promises the level of an output that
+ * is off. */
 static int configure(struct pwm_channel *self, const struct pwm_place *place,
                      struct host_error *error)
 {
 	const char *polarity = place->is_inverted ? "inversed" : "normal";
 	int rc;
 
-	(void)write_number(self->enable_fd, 0);
 	(void)write_number(self->duty_fd, 0);
 	rc = set_number(self, "period", place->period_ns);
 	if (rc != 0) {
@@ -135,11 +155,12 @@ static int configure(struct pwm_channel *self, const struct pwm_place *place,
 			error, "%s: period=%gus: %s; some chips have one period for all channels",
 			self->path, place->period_ns / 1e3, strerror(-rc));
 	}
-	rc = sysfs_write(self->path, "polarity", polarity);
-	if (rc != 0 && (place->is_inverted || rc != -ENOENT)) {
+	rc = set_polarity(self, polarity);
+	if (rc != 0) {
 		return host_error_set(error, "%s: polarity %s: %s", self->path, polarity,
 		                      strerror(-rc));
 	}
+	self->is_inverted = place->is_inverted;
 	rc = write_number(self->duty_fd, 0);
 	if (rc == 0) {
 		rc = write_number(self->enable_fd, 1);
@@ -160,6 +181,7 @@ int pwm_channel_open(struct pwm_channel *self, const struct pwm_place *place, bo
 	close_fd(&self->duty_fd);
 	close_fd(&self->enable_fd);
 	self->is_exported = is_exported;
+	self->is_inverted = false;
 	*is_ours = false;
 	rc = pwm_channel_find(self, place, error);
 	if (rc == 0) {
@@ -209,10 +231,13 @@ void pwm_channel_end(const struct pwm_channel *self)
 	if (self->duty_fd >= 0) {
 		(void)write_number(self->duty_fd, 0);
 	}
+	if (self->is_inverted) {
+		return;
+	}
 	if (self->enable_fd >= 0) {
 		(void)write_number(self->enable_fd, 0);
 	}
-	if (self->is_exported) {
+	if (self->is_exported && self->path[0] != '\0') {
 		(void)snprintf(text, sizeof(text), "%u\n", self->channel);
 		(void)sysfs_write(self->chip, "unexport", text);
 	}

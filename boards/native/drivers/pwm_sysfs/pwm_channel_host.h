@@ -23,9 +23,10 @@ struct pwm_place {
 
 struct pwm_channel {
 	char chip[SYSFS_PATH_SIZE];
-	char path[SYSFS_PATH_SIZE];
+	char path[SYSFS_PATH_SIZE]; /* empty: it was not found */
 	uint32_t channel;
 	bool is_exported;   /* by us: so we unexport it */
+	bool is_inverted;   /* it is low, and so fully lit, on many a chip once it is off */
 	int claim_fd;       /* no other light has it; -1: not claimed */
 	dev_t claim_device; /* the folder that the claim is for */
 	ino_t claim_folder;
@@ -54,7 +55,10 @@ int pwm_channel_write(const struct pwm_channel *self, uint32_t pulse_ns);
 /* Whether it is still there: 0 or -errno. Does not touch the chip. */
 int pwm_channel_check(const struct pwm_channel *self);
 
-/* No pulses, and unexported if we have exported it. Also in another process that shares it. */
+/*
+ * No pulses; off, and unexported if we have exported it. One of inverse polarity stays on with
+ * pulses of no length. Also in another process that shares it.
+ */
 void pwm_channel_end(const struct pwm_channel *self);
 
 /* Closes what is open, and gives up the claim; the output stays as it is. */

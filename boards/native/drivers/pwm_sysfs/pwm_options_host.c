@@ -8,6 +8,8 @@ enum {
 	CHANNEL_MAX = 1023,
 	PERIOD_MIN_US = 1,
 	PERIOD_MAX_US = 100000,
+	PULSE_PERIOD_MIN_US =
+		3000, /* a servo's pulse is shorter; at its length it would never end */
 };
 
 /* The periods are those of native.dts. */
@@ -24,10 +26,12 @@ const struct pwm_use pwm_uses[BOARD_PWM_COUNT] = {
 
 struct pwm_place pwm_places[BOARD_PWM_COUNT];
 
-static int parse_word(struct pwm_place *place, const char *word, struct host_error *error)
+static int parse_word(enum board_pwm_channel use, struct pwm_place *place, const char *word,
+                      struct host_error *error)
 {
 	struct host_error reason;
 	uint64_t us;
+	const uint64_t min_us = pwm_uses[use].is_ratio ? PERIOD_MIN_US : PULSE_PERIOD_MIN_US;
 
 	if (strcmp(word, "inverted") == 0) {
 		place->is_inverted = true;
@@ -39,9 +43,10 @@ static int parse_word(struct pwm_place *place, const char *word, struct host_err
 	if (parse_duration_us(word + 7, &us, &reason) != 0) {
 		return host_error_set(error, "period: %.200s", reason.text);
 	}
-	if (us < PERIOD_MIN_US || us > PERIOD_MAX_US) {
-		return host_error_set(error, "period: %s is not from %dus to %dms", word + 7,
-		                      PERIOD_MIN_US, PERIOD_MAX_US / 1000);
+	if (us < min_us || us > PERIOD_MAX_US) {
+		return host_error_set(error, "period: %s is not from %s to %dms", word + 7,
+		                      pwm_uses[use].is_ratio ? "1us" : "3ms, for pulses,",
+		                      PERIOD_MAX_US / 1000);
 	}
 	place->period_ns = (uint32_t)us * 1000u;
 	return 0;
@@ -77,7 +82,7 @@ static int parse_place(enum board_pwm_channel use, const char *value, struct hos
 	strcpy(place->chip, words);
 	place->channel = (uint32_t)channel;
 	while ((words = strsep(&rest, ",")) != NULL) {
-		if (parse_word(place, words, error) != 0) {
+		if (parse_word(use, place, words, error) != 0) {
 			return -1;
 		}
 	}

@@ -49,7 +49,8 @@ enum task {
 struct output {
 	struct pwm_channel pwm;
 	bool is_away;
-	bool is_unstarted; /* the lamp's, since this boot: its driver has not started */
+	bool is_unstarted; /* since this boot: a driver has not started without it */
+	bool is_proven;    /* a job has gone well since it was opened */
 	uint32_t pulse_ns; /* written, or being written */
 	uint32_t waited;   /* checks, for its job or for the next try */
 	uint32_t last_ns;  /* wanted when it was last looked at */
@@ -165,6 +166,7 @@ static void set_back(struct output *output)
 
 	exported |= output->pwm.is_exported ? 1u << channel : 0;
 	output->is_away = false;
+	output->is_proven = false;
 	output->pulse_ns = 0;
 	output->last_ns = 0;
 	output->pending = 0;
@@ -174,15 +176,21 @@ static void set_back(struct output *output)
 	guarded.is_open = true;
 	(void)guard_renew();
 	if (output->is_unstarted) {
-		/* the lamp's driver did not start without it, and does only after a reset */
+		/* a driver starts only after a reset */
 		port_reset(RESET_CAUSE_PIN);
 	}
 }
 
+static void begin(struct output *output, enum task task);
+
+/* Opening makes it dark. What was written late, to an output that had been given up, is undone at
+ * once; after an error there is one try at once, unless the last one led to nothing. */
 static void done(struct helper_job *job)
 {
 	struct output *output = (struct output *)((char *)job - offsetof(struct output, job));
 	const enum task task = output->task;
+	const bool is_late = output->is_away && task != TASK_OPEN;
+	const bool was_proven = output->is_proven;
 
 	output->task = TASK_NONE;
 	output->waited = 0;
@@ -191,7 +199,13 @@ static void done(struct helper_job *job)
 			set_back(output);
 		}
 	} else if (output->error != 0) {
+		output->is_proven = false;
 		set_away(output, output->error);
+	} else {
+		output->is_proven = true;
+	}
+	if (is_late || (output->is_away && was_proven && !output->is_proven)) {
+		begin(output, TASK_OPEN);
 	}
 	follow((uint32_t)(output - outputs));
 }
@@ -313,7 +327,10 @@ static int start_output(uint32_t channel)
 		(void)fprintf(stderr, "pharos: --%s: %s\n", pwm_uses[channel].name, error.text);
 		return EXIT_OPTION;
 	}
-	outputs[channel].is_unstarted = channel == BOARD_PWM_LAMP;
+	/* the drivers of the lamp and of the servos want their outputs at start */
+	outputs[channel].is_unstarted = channel == BOARD_PWM_LAMP ||
+	                                channel == BOARD_PWM_SERVO_PAN ||
+	                                channel == BOARD_PWM_SERVO_TILT;
 	set_away(&outputs[channel], -ENODEV);
 	return 0;
 }
@@ -350,18 +367,15 @@ static int start_all(void)
 {
 	int rc = 0;
 
-	for (uint32_t channel = 0; rc == 0 && channel < BOARD_PWM_COUNT; channel++) {
-		rc = is_wanted(channel) ? start_output(channel) : 0;
+	for (uint32_t channel = 0; channel < BOARD_PWM_COUNT; channel++) {
+		const int status = is_wanted(channel) ? start_output(channel) : 0;
+
+		rc = rc != 0 ? rc : status;
+		if (rc != 0 && !hardware_is_only_off()) {
+			return rc;
+		}
 	}
-	if (rc != 0 || !guarded.is_open) {
-		return rc;
-	}
-	rc = guard_renew();
-	if (rc != 0) {
-		(void)fprintf(stderr, "pharos: --light: no process to guard it: %s\n",
-		              strerror(-rc));
-	}
-	return rc;
+	return rc != 0 || !guarded.is_open ? rc : guard_renew();
 }
 
 static int start(void)
