@@ -245,9 +245,10 @@ enum device_result pharos_device_apply(struct pharos_device *self, int64_t now_u
 enum device_result pharos_device_restore(struct pharos_device *self, int64_t now_us, uint8_t lamp,
                                          const struct illuminator_settings *settings)
 {
-	const struct illuminator_event event = {.kind = ILLUMINATOR_EVENT_RESTORE,
-	                                        .restore = *settings};
+	struct illuminator_event event = {.kind = ILLUMINATOR_EVENT_RESTORE, .restore = *settings};
 
+	event.restore.strobe_period_us = illuminator_nearest_period_us(
+		&lamp_of(self, lamp)->illuminator.config, settings->strobe_period_us);
 	return (enum device_result)device_step_lamp(self, now_us, lamp, &event);
 }
 

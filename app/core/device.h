@@ -126,7 +126,10 @@ enum device_result pharos_device_apply(struct pharos_device *self, int64_t now_u
                                        const struct device_who *who, uint8_t lamp,
                                        const struct illuminator_event *events, size_t count);
 
-/* What was commanded before the reset. ACCEPTED, DENIED, FAILED. */
+/*
+ * What was commanded before the reset; a strobe that was allowed then takes the nearest period that
+ * is now. ACCEPTED, DENIED, FAILED.
+ */
 enum device_result pharos_device_restore(struct pharos_device *self, int64_t now_us, uint8_t lamp,
                                          const struct illuminator_settings *settings);
 

@@ -42,6 +42,17 @@ uint32_t illuminator_on_us(uint32_t period_us, uint32_t duty_ppm)
 	return (on_us == 0 && duty_ppm > 0 && period_us > 0) ? 1u : (uint32_t)on_us;
 }
 
+uint32_t illuminator_nearest_period_us(const struct illuminator_config *config, uint32_t period_us)
+{
+	if (period_us == 0) {
+		return 0;
+	}
+	if (period_us < config->min_period_us) {
+		return config->min_period_us;
+	}
+	return (period_us > config->max_period_us) ? config->max_period_us : period_us;
+}
+
 static void assert_config(const struct illuminator_config *config)
 {
 	PHAROS_ASSERT(config->min_period_us >= STROBE_PERIOD_FLOOR_US);
@@ -133,14 +144,6 @@ static enum illuminator_result decide_restore(const struct illuminator *self,
 	return (result == ILLUMINATOR_ACCEPTED) ? decide_enable(self, saved->enable, next) : result;
 }
 
-static uint32_t clamp_period(const struct illuminator_config *config, uint32_t period_us)
-{
-	if (period_us < config->min_period_us) {
-		return config->min_period_us;
-	}
-	return (period_us > config->max_period_us) ? config->max_period_us : period_us;
-}
-
 static struct illuminator_settings after_fallback(const struct illuminator *self,
                                                   const struct illuminator_settings *now,
                                                   enum illuminator_fallback fallback)
@@ -159,7 +162,8 @@ static struct illuminator_settings after_fallback(const struct illuminator *self
 			.enable = !self->unpowered,
 			.mode = ILLUMINATOR_MODE_INTERNAL,
 			.brightness_ppm = beacon->brightness_ppm,
-			.strobe_period_us = clamp_period(&self->config, beacon->period_us),
+			.strobe_period_us =
+				illuminator_nearest_period_us(&self->config, beacon->period_us),
 			.duty_ppm = beacon->duty_ppm,
 		};
 		break;

@@ -200,6 +200,9 @@ uint32_t illuminator_curve_ppm(enum illuminator_curve curve, uint32_t brightness
  */
 uint32_t illuminator_on_us(uint32_t period_us, uint32_t duty_ppm);
 
+/* What a strobe of this period may be: the nearest that the config allows. 0, none, stays. */
+uint32_t illuminator_nearest_period_us(const struct illuminator_config *config, uint32_t period_us);
+
 /* For people, constant and never NULL: "Throttling begins", … ; at most 40 bytes. */
 const char *illuminator_notice_text(enum illuminator_notice_kind kind);
 

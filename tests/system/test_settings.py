@@ -154,3 +154,10 @@ def test_lamp_stays_dark_after_a_reset_unless_it_shall_be_restored(
     light.greet()
     status = light.status()
     assert (status.enable, status.brightness, status.strobe_period) == (1, 60.0, 0.5)
+    shell("param set STRB_MAX 0.3")  # what is in force stays, and has to fit after a reset
+    light.sim.advance(s=5)
+    light.sim.reset()
+    light.greet()
+    status = light.status()
+    assert status.enable == 1
+    assert status.strobe_period == pytest.approx(0.3)
