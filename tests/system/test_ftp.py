@@ -30,7 +30,7 @@ from ftp_client import (
     FtpClient,
     crc32,
 )
-from harness import ACCEPTED, Light, light_on
+from harness import ACCEPTED, COMPONENTS, Light, light_on
 from pharos import Simulator, Source, Target
 
 GENERAL = "general.json"
@@ -341,3 +341,18 @@ def test_says_that_it_can(light: Light) -> None:
     for message, kind in ((396, "COMPONENT_INFORMATION_BASIC"), (VERSION, "AUTOPILOT_VERSION")):
         assert light.mav.command_long(512, message).result == ACCEPTED
         assert light.mav.recv(kind).capabilities & CAPABILITY_FTP
+
+
+@pytest.mark.skipif(154 not in COMPONENTS, reason="this board has no gimbal")
+@pytest.mark.parametrize("opcode", [NONE, LIST, OPEN, READ, BURST, CRC32, TERMINATE, RESET])
+def test_the_gimbal_has_no_files_and_says_so_at_once(udp_light: Light, opcode: int) -> None:
+    """MAVProxy asks for packed parameters, and for a list once it is refused."""
+    gimbal = FtpClient(udp_light.mav, Target(1, 154))
+    gimbal.send(opcode, b"@PARAM/param.pck", session=3)
+    answer = udp_light.mav.recv("FILE_TRANSFER_PROTOCOL", timeout_us=0)
+    assert answer.get_srcComponent() == 154
+    nak = (NAK, 1, opcode)  # opcode, size, opcode of the request
+    assert (answer.payload[3], answer.payload[4], answer.payload[5]) == nak
+    assert (answer.payload[2], answer.payload[12]) == (3, UNKNOWN_COMMAND)
+    gimbal.send(ACK, session=3)  # an answer of somebody's
+    assert gimbal.silent()

@@ -386,15 +386,17 @@ void mavlink_ftp_receive(struct mavlink_ftp *self, const struct mavlink_context 
 		.component = context->source_component,
 	};
 	struct mavlink_ftp_answer answer;
-	uint8_t error;
+	uint8_t error = MAV_FTP_ERR_UNKNOWNCOMMAND;
 
 	/* somebody's answer to somebody else */
 	if (request.opcode == MAV_FTP_OPCODE_ACK || request.opcode == MAV_FTP_OPCODE_NAK) {
 		return;
 	}
-	self->stats.requests++;
 	mavlink_ftp_answer_init(&answer, request.session);
-	error = operate(self, context, &request, &answer);
+	if (self != NULL) {
+		self->stats.requests++;
+		error = operate(self, context, &request, &answer);
+	}
 	if (error == MAVLINK_FTP_LATER) {
 		return; /* a step sends it */
 	}
@@ -402,7 +404,9 @@ void mavlink_ftp_receive(struct mavlink_ftp *self, const struct mavlink_context 
 		if (request.to_all) {
 			return; /* another component may have it */
 		}
-		self->stats.refused++;
+		if (self != NULL) {
+			self->stats.refused++;
+		}
 	}
 	mavlink_ftp_send(context, &client, &request, error, &answer);
 }

@@ -90,7 +90,10 @@ struct mavlink_ftp {
 void mavlink_ftp_init(struct mavlink_ftp *self, const struct mavlink_files *files,
                       struct mavlink_params *params);
 
-/* A FILE_TRANSFER_PROTOCOL for the context's component: at most one frame answers it. */
+/*
+ * A FILE_TRANSFER_PROTOCOL for the context's component: at most one frame answers it. self NULL: it
+ * has no files, and answers UnknownCommand, so that a client need not try again.
+ */
 void mavlink_ftp_receive(struct mavlink_ftp *self, const struct mavlink_context *context,
                          const struct mavlink_frame *frame);
 

@@ -2,6 +2,7 @@
 #include "proto/mavlink/gimbal_service.h"
 
 #include "proto/mavlink/dialect.h"
+#include "proto/mavlink/ftp.h"
 #include "proto/mavlink/gimbal_vehicle.h"
 #include "proto/mavlink/internal.h"
 #include "proto/mavlink/quaternion.h"
@@ -470,6 +471,13 @@ static const struct mavlink_message_row messages[] = {
 
 /* --- profile ---------------------------------------------------------------------------------- */
 
+#ifdef CONFIG_PHAROS_FTP
+static void no_files(const struct mavlink_context *context, const struct mavlink_frame *frame)
+{
+	mavlink_ftp_receive(NULL, context, frame);
+}
+#endif
+
 /* PING and TIMESYNC ask the device, which answers once: as the illuminator. */
 static const struct mavlink_receiver_row receivers[] = {
 	MAVLINK_COMMON_RECEIVERS,
@@ -505,6 +513,12 @@ static const struct mavlink_receiver_row receivers[] = {
          .target_system_offset = MAVLINK_NO_TARGET,
          .target_component_offset = MAVLINK_NO_TARGET,
          .receive = mavlink_gimbal_vehicle_position},
+#ifdef CONFIG_PHAROS_FTP
+	{.id = MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL,
+         .target_system_offset = offsetof(mavlink_file_transfer_protocol_t, target_system),
+         .target_component_offset = offsetof(mavlink_file_transfer_protocol_t, target_component),
+         .receive = no_files},
+#endif
 };
 
 static uint8_t system_status(const void *service)
