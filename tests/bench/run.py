@@ -385,9 +385,10 @@ def main() -> int:
     rows += measure_day(binary, dialect)
     rows.append(measure_parse(args.tools, dialect))
     rows += measure_command(args.tools)
-    figures, ratio_of_list = param_list.measure(binary, dialect)
+    figures, of_bytes, of_list = param_list.measure(binary, dialect)
     rows += [Row(*figure) for figure in figures]
-    rows.append(at_most("parameters: list / bytes", ratio_of_list, "×", param_list.LIMIT_RATIO))
+    rows.append(at_most("parameters: list / bytes", of_bytes, "×", param_list.LIMIT_RATIO))
+    rows.append(at_most("parameters: packed / list", of_list, "×", param_list.LIMIT_PACKED))
     figures, ratio_of_imcpy = imc_codec.measure(args.tools)
     rows += [Row(*figure) for figure in figures]
     if ratio_of_imcpy is not None:
