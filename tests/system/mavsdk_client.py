@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What MAVSDK sees of a light: a program of its own, since MAVSDK brings threads and a C++ library.
 
-    python mavsdk_client.py HOST:PORT FOLDER
+    python mavsdk_client.py HOST:PORT FOLDER [broadcast]
 
 writes what it saw to FOLDER/seen.json. It waits for events, never for time;
 each wait ends after LIMIT_S."""
@@ -66,14 +66,14 @@ class Direct:
         self.plugin.unsubscribe_message(handle)
         return kept[0]
 
-    def command(self, number: int, *params: float) -> dict[str, Any]:
+    def command(self, number: int, *params: float, component: int = LIGHT) -> dict[str, Any]:
         """The final acknowledgement of a COMMAND_LONG."""
         seven = (list(params) + [0.0] * 7)[:7]
         fields: dict[str, float] = {
-            "target_system": 1, "target_component": LIGHT, "command": number, "confirmation": 0,
+            "target_system": 1, "target_component": component, "command": number, "confirmation": 0,
         }  # fmt: skip
         fields |= {f"param{i + 1}": value for i, value in enumerate(seven)}
-        message = MavlinkMessage("COMMAND_LONG", 0, 0, 1, LIGHT, json.dumps(fields))
+        message = MavlinkMessage("COMMAND_LONG", 0, 0, 1, component, json.dumps(fields))
         ack: dict[str, Any] = json.loads(self.plugin.send_command(message).fields_json)
         return ack
 
@@ -176,6 +176,23 @@ def look(address: str, folder: Path) -> dict[str, Any]:
         return seen
 
 
+def broadcast(address: str, _: Path) -> dict[str, Any]:
+    """Commands to all components, beside an autopilot: the acknowledgement that ends each."""
+    configuration = Configuration.create_with_component_type(ComponentType.GROUND_STATION)
+    with Mavsdk(configuration) as sdk:
+        sdk.add_any_connection(f"udpout://{address}")
+        direct = Direct(discover(sdk))
+        for component in (1, LIGHT):
+            direct.until("HEARTBEAT", lambda _: True, component)
+        # COMPONENT_ARM_DISARM, REQUEST_MESSAGE of ATTITUDE_QUATERNION, which only the vehicle has
+        return {
+            "arm": direct.command(400, 1, component=0),
+            "request": direct.command(512, 31, component=0),
+            "named": direct.command(400, 1),
+        }
+
+
 if __name__ == "__main__":
-    result = look(sys.argv[1], Path(sys.argv[2]))
+    does = broadcast if sys.argv[3:] == ["broadcast"] else look
+    result = does(sys.argv[1], Path(sys.argv[2]))
     Path(sys.argv[2], "seen.json").write_text(json.dumps(result), encoding="utf-8")

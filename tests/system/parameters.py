@@ -3,16 +3,24 @@
 
 from __future__ import annotations
 
+import re
 import struct
 from typing import Any
 
-from harness import Light
+from harness import ROOT, Light
 from pharos import MavlinkConnection, Target
 from pharos.parameters import text_of
 
 # MAV_PARAM_TYPE
 INT32 = 6
 REAL32 = 9
+
+
+# The page is what the table says (test_parameters_page.py); the gimbal's component has its part.
+PAGE = (ROOT / "docs" / "parameters.md").read_text(encoding="utf-8")
+ALL = set(re.findall(r"^\| `(\w+)` \|", PAGE, re.MULTILINE))
+OF_GIMBAL = {n for n in ALL if n.startswith("GMB_")} - {"GMB_ENABLE", "GMB_COMPID"}
+OF_LIGHT = ALL - OF_GIMBAL
 
 
 def as_float(value: int) -> float:

@@ -17,11 +17,11 @@ LIMIT_S = 60.0
 
 
 @contextlib.contextmanager
-def light_at(folder: Path, *options: str) -> Iterator[str]:
-    """HOST:PORT of a light that runs in real time and listens over UDP."""
+def light_at(folder: Path, *options: str, wire: str = "udpin:127.0.0.1:0") -> Iterator[str]:
+    """HOST:PORT of a light that runs in real time and listens there, over UDP or else."""
     control = folder / "control"
     process = subprocess.Popen(
-        [str(BINARY), "--control", str(control), "--uart0", "udpin:127.0.0.1:0",
+        [str(BINARY), "--control", str(control), "--uart0", wire,
          "--console", "none", *options],
         stdin=subprocess.DEVNULL,
     )  # fmt: skip

@@ -318,19 +318,28 @@ def test_silent_vehicle_that_comes_back_takes_command_from_the_fallback(peer: Pe
 
 
 # --- tunnel ---------------------------------------------------------------------------------------
-def test_peer_tunnels_mavlink_both_ways(peer: Peer) -> None:
+MAVLINK, MAVLINK2, GPS_GENERIC, UNDEFINED = 0, 1, 2, 255
+
+
+@pytest.mark.parametrize("protocol", [MAVLINK, MAVLINK2, UNDEFINED, GPS_GENERIC])
+def test_peer_tunnels_mavlink_both_ways(peer: Peer, protocol: int) -> None:
+    """ArduPilot up to 4.5 always says UNDEFINED. What says that it is something else is not."""
     heard = peer.heard(uavcan.tunnel.Targetted)
     sim = peer.sim
     dialect = sim.dialect
     codec = dialect.MAVLink(None, 255, 190)
     frame = dialect.MAVLink_command_long_message(1, 243, ON_OFF, 0, 1, 0, 0, 0, 0, 0, 0).pack(codec)
     message = uavcan.tunnel.Targetted(target_node=NODE, serial_id=3, options=1, baudrate=57600)
-    message.protocol.protocol = message.protocol.MAVLINK2
+    message.protocol.protocol = protocol
     message.buffer.from_bytes(frame)
     peer.node.broadcast(message, priority=16)
     peer.run(1_000_000)
+    if protocol == GPS_GENERIC:
+        assert (brightness_of(sim)[0], heard) == (0, [])
+        return
     assert brightness_of(sim)[0] == 1
-    assert {(m.target_node, m.serial_id, m.protocol.protocol) for m in heard} == {(PEER, 3, 1)}
+    told = {(m.target_node, m.serial_id, m.protocol.protocol) for m in heard}
+    assert told == {(PEER, 3, protocol)}
     parser = dialect.MAVLink(None)
     came = parser.parse_buffer(b"".join(bytes(m.buffer.to_bytes()) for m in heard)) or []
     assert [m.result for m in of("COMMAND_ACK", came)] == [ACCEPTED]

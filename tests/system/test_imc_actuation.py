@@ -234,6 +234,31 @@ def test_power_operations_that_are_none(imc: ImcLight, fields: dict[str, Any]) -
     assert line(imc.sim, "power_camera") == 1
 
 
+# --- what IMC has no answer to --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "fields"),
+    [
+        ("CameraZoom", {"id": 0, "action": 1}),
+        ("SetThrusterActuation", {"id": 0, "value": 0.5}),
+        ("SetServoPosition", {"id": 0, "value": 0.5}),
+        ("SetControlSurfaceDeflection", {"id": 0, "angle": 0.5}),
+        ("RemoteActions", {"actions": "Light=1"}),
+        ("LcdControl", {"op": 3, "text": "Depth"}),
+        ("PowerChannelControl", {"name": "aux", "op": 1}),
+    ],
+)
+def test_seven_messages_have_no_answer(imc: ImcLight, name: str, fields: dict[str, Any]) -> None:
+    """Not one packet, at once or later, but what comes once a second anyhow."""
+    imc.peer.pass_time(2_000_000)
+    usual = {(p.name, p.dst) for p in imc.peer.pass_time(12_000_000)}  # with an announcement
+    assert usual
+    imc.peer.take()
+    imc.peer.send(name, **fields)
+    assert {(p.name, p.dst) for p in imc.peer.pass_time(5_000_000)} <= usual
+
+
 # --- SetServoPosition, SetControlSurfaceDeflection ------------------------------------------------
 
 

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 from harness import ACCEPTED, DENIED, UNSUPPORTED
+from programs import ARDUPILOT, PX4, relay_to
 from realtime import light_at
 
 pytestmark = pytest.mark.realtime
@@ -25,21 +26,26 @@ LIMIT_S = 300.0
 PASSED = 2
 
 
+def run(address: str, folder: Path, *options: str) -> dict[str, Any]:
+    """What the client saw."""
+    done = subprocess.run(
+        [sys.executable, str(CLIENT), address, str(folder), *options],
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        cwd=folder,
+        timeout=LIMIT_S,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    content: dict[str, Any] = json.loads((folder / "seen.json").read_text(encoding="utf-8"))
+    return content
+
+
 @pytest.fixture(scope="module")
 def seen(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     folder = tmp_path_factory.mktemp("mavsdk")
     with light_at(folder) as address:
-        done = subprocess.run(
-            [sys.executable, str(CLIENT), address, str(folder)],
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            cwd=folder,
-            timeout=LIMIT_S,
-        )
-    assert done.returncode == 0, done.stdout + done.stderr
-    content: dict[str, Any] = json.loads((folder / "seen.json").read_text(encoding="utf-8"))
-    return content
+        return run(address, folder)
 
 
 def test_discovers_the_component(seen: dict[str, Any]) -> None:
@@ -100,3 +106,13 @@ def test_metadata_describes_every_parameter(seen: dict[str, Any]) -> None:
     assert rows.keys() == seen["parameters"]["floats"].keys()
     assert rows["THR_SHUTDOWN"]["units"] == "degC"
     assert rows["THR_SHUTDOWN"]["default"] == 100
+
+
+@pytest.mark.parametrize("autopilot", [ARDUPILOT, PX4])
+def test_a_command_to_all_is_the_autopilots_to_answer(tmp_path: Path, autopilot: int) -> None:
+    """It ends a command at the first acknowledgement, and the autopilot's comes late here: an
+    UNSUPPORTED of the light's would make a vehicle that arms look as if it had not."""
+    with light_at(tmp_path) as address, relay_to(address, autopilot) as relay:
+        acks = run(relay.address, tmp_path, "broadcast")
+    results = {name: ack["result"] for name, ack in acks.items()}
+    assert results == {"arm": ACCEPTED, "request": ACCEPTED, "named": UNSUPPORTED}
