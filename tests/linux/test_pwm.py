@@ -16,7 +16,7 @@ import pytest
 
 from guest_gpio import GpioSim
 from guest_i2c import Lm75, Pca9685
-from guest_light import PATIENCE_S, Light, Start, until
+from guest_light import PATIENCE_S, Light, Start, pass_time, until
 
 SENSOR = ("--thermistor", "hwmon:lm75/temp1")
 # The chip does 24 to 1526 Hz.
@@ -235,6 +235,26 @@ def test_chip_that_goes_is_a_lamp_fault_until_it_is_back(
     assert (light.console().count("is lost"), light.console().count("is back")) == (1, 1)
     light.signal(signal.SIGKILL)
     until("dark", lambda: chip.duty(LAMP) == 0.0)
+
+
+def test_chip_that_has_the_number_of_one_that_is_gone_is_left_alone(
+    start_can: Start, chip: Pca9685, options: tuple[str, ...]
+) -> None:
+    light = start_can(*options)
+    light_up(light, chip)
+    number = chip.folder
+    chip.unplug()
+    until("the loss is seen", lambda: not light.do("pwm")["outputs"]["light"]["present"])
+    other = Pca9685(0x41)
+    try:
+        assert other.folder == number
+        other.export(LAMP)
+        pass_time(2.0)  # the light looks for its own every second
+        assert other.exported() == [LAMP]
+    finally:
+        other.remove()
+    chip.plug()
+    until("it is found", lambda: light.do("pwm")["outputs"]["light"]["present"])
 
 
 def test_chip_that_is_away_at_a_reset_is_taken_when_it_comes(
