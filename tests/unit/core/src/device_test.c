@@ -189,27 +189,13 @@ ZTEST(core_device, test_not_now_changes_nothing)
 	zassert_equal(give(&mavlink, &off), DEVICE_ACCEPTED);
 }
 
-/* Of version 0.1, up to 60 s, or from before STRB_MIN or STRB_MAX changed: lit all the same. */
-ZTEST(core_device, test_a_strobe_that_is_no_longer_allowed_takes_the_nearest_period)
+ZTEST(core_device, test_a_strobe_that_is_no_longer_allowed_is_restored_as_the_nearest)
 {
-	static const struct {
-		uint32_t stored_us;
-		uint32_t now_us;
-	} cases[] = {{60000000, 16000000}, {16000001, 16000000}, {16000000, 16000000},
-	             {20000, 20000},       {19999, 20000},       {0, 0}};
-	struct illuminator_settings lit = {.enable = true,
-	                                   .mode = ILLUMINATOR_MODE_INTERNAL,
-	                                   .brightness_ppm = PPM_ONE,
-	                                   .duty_ppm = 500000};
+	const struct illuminator_settings lit = {true, ILLUMINATOR_MODE_INTERNAL, 1, 60000000, 1};
 
-	param_set(PARAM_STRB_MAX, 16000000);
-	param_set(PARAM_STRB_MIN, 20000);
-	for (size_t i = 0; i < ARRAY_SIZE(cases); i++) {
-		lit.strobe_period_us = cases[i].stored_us;
-		zassert_equal(pharos_device_restore(&device, now_us, 0, &lit), DEVICE_ACCEPTED);
-		zassert_true(light->settings.enable);
-		zassert_equal(light->settings.strobe_period_us, cases[i].now_us);
-	}
+	zassert_equal(pharos_device_restore(&device, now_us, 0, &lit), DEVICE_ACCEPTED);
+	zassert_true(light->settings.enable);
+	zassert_equal(light->settings.strobe_period_us, light->config.max_period_us);
 }
 
 ZTEST(core_device, test_without_servos_there_is_no_gimbal)

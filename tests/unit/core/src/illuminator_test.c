@@ -308,6 +308,19 @@ ZTEST(core_illuminator, test_new_curve_and_limits_apply_from_then_on)
 	zassert_equal(configure(1, 500000, 20000, 400000), ILLUMINATOR_DENIED);
 }
 
+ZTEST(core_illuminator, test_nearest_period)
+{
+	static const uint32_t cases[][2] = {{60000000, 16000000}, {16000001, 16000000},
+	                                    {16000000, 16000000}, {20000, 20000},
+	                                    {19999, 20000},       {0, 0}};
+	const struct illuminator_config allowed = {.min_period_us = 20000,
+	                                           .max_period_us = 16000000};
+
+	for (size_t i = 0; i < ARRAY_SIZE(cases); i++) {
+		zassert_equal(illuminator_nearest_period_us(&allowed, cases[i][0]), cases[i][1]);
+	}
+}
+
 ZTEST(core_illuminator, test_restore_is_checked_like_a_command)
 {
 	struct illuminator_event event = {
