@@ -155,9 +155,6 @@ bool z_ztest_expect(bool cond, const char *what, const char *file, int line, con
 #define zassume_mem_equal(buf, exp, size, ...)                                                     \
 	zassume(memcmp(buf, exp, size) == 0, #buf " differs from " #exp, ##__VA_ARGS__)
 
-#define zassume_str_equal(s1, s2, ...)                                                             \
-	zassume(strcmp(s1, s2) == 0, #s1 " differs from " #s2, ##__VA_ARGS__)
-
 #define zexpect_unreachable(...)     zexpect(false, "reached", ##__VA_ARGS__)
 #define zexpect_true(cond, ...)      zexpect((cond) != 0, #cond " is false", ##__VA_ARGS__)
 #define zexpect_false(cond, ...)     zexpect((cond) == 0, #cond " is true", ##__VA_ARGS__)
