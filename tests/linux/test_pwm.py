@@ -108,7 +108,7 @@ def test_lamp_on_an_enable_line_and_a_pwm(
     light = start_can(*options, "--gpio", f"gpiochip:{lines.device},enable=LAMP")
     light_up(light, chip)
     until("enabled", lambda: lines.value("LAMP") == 1)
-    assert len(light.guards()) == 1
+    until("one guard", lambda: len(light.guards()) == 1)
     assert light.signal(signal.SIGKILL) == -signal.SIGKILL
     until("both off", lambda: (lines.value("LAMP"), chip.duty(LAMP)) == (0, 0.0))
 
