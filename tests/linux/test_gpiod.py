@@ -324,7 +324,7 @@ def test_reset_makes_the_lamp_dark_and_takes_the_lines_again(start: Start, chip:
     assert chip.value("LAMP") == 0
     chip.pull("BUTTON", 0)
     until("the button is read", lambda: light.line("button") == 0)
-    assert len(light.guards()) == 1
+    until("one guard", lambda: len(light.guards()) == 1)
     light.shell("light on")
     until("lit again", lambda: chip.value("LAMP") == 1)
 
